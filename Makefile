@@ -1,0 +1,45 @@
+# Everything works in an environment of its own, .venv; nothing is installed outside it but what tests need of Debian's.
+PYTHON ?= python3
+BIN := .venv/bin
+DEBIAN := poppler-utils ghostscript chromium
+
+.PHONY: plate test soak bench gallery clean
+
+plate: .venv/installed
+	$(BIN)/crowquill stipple gallery/specimen.png plate.pdf plate.svg --pen 0.3mm --paper a4 --check-bar
+
+test: .venv/tested tools-for-tests
+	$(BIN)/python -m pytest -m "not soak"
+
+soak: .venv/tested tools-for-tests
+	$(BIN)/python -m pytest -m soak
+
+bench: .venv/tested
+	$(BIN)/python bench/bench.py
+
+gallery: .venv/tested
+	for script in gallery/*.py; do $(BIN)/python $$script || exit 1; done
+
+.venv/made:
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "crowquill takes Python 3.11 or newer; say which: make PYTHON=python3.12")'
+	$(PYTHON) -m venv .venv
+	touch $@
+
+.venv/installed: pyproject.toml | .venv/made
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	touch $@
+
+.venv/tested: pyproject.toml | .venv/made
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	touch $@ .venv/installed
+
+# Renderers that tests measure with. Where they cannot be installed, the tests that need them are reported as not run.
+.PHONY: tools-for-tests
+tools-for-tests:
+	@command -v pdftoppm gs chromium >/dev/null 2>&1 && [ $$(command -v pdftoppm gs chromium | wc -l) = 3 ] \
+	|| { [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null && apt-get update -qq && \
+	     DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(DEBIAN) >/dev/null; } \
+	|| echo "NOT INSTALLED: some of $(DEBIAN); tests that render with them will be reported as not run"
+
+clean:
+	rm -rf .venv plate.pdf plate.svg

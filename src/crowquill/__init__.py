@@ -1,0 +1,64 @@
+"""crowquill draws pictures with points and cells, at exact size.
+
+A picture becomes a Tone in millimetres, a style turns it into a Sheet, a format writes the sheet:
+
+    from crowquill import Tone, draw, save
+
+    tone = Tone.load("shell.png", width=120)
+    sheet = draw("stipple", tone, pen=0.3, seed=1)
+    save(sheet.on("a4", margin=15), "shell.pdf", "shell.svg")
+
+Reading order: units, paths, tone, sheet, cells, moments, relax, styles/stipple, formats/svg.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from crowquill.cells import Cells, voronoi
+    from crowquill.formats import load, save, to_bytes
+    from crowquill.moments import Moments
+    from crowquill.paths import Paths
+    from crowquill.relax import lloyd, scatter
+    from crowquill.sheet import Glyph, Ink, Layer, Marks, Sheet, Step
+    from crowquill.styles import steps
+    from crowquill.tone import Tone
+
+_PUBLIC = {
+    "cells": ("Cells", "voronoi"),
+    "formats": ("load", "save", "to_bytes"),
+    "moments": ("Moments",),
+    "paths": ("Paths",),
+    "relax": ("lloyd", "scatter"),
+    "sheet": ("Glyph", "Ink", "Layer", "Marks", "Sheet", "Step"),
+    "styles": ("steps",),
+    "tone": ("Tone",),
+}
+_HOME = {name: module for module, names in _PUBLIC.items() for name in names}
+__all__ = [
+    "Cells", "Glyph", "Ink", "Layer", "Marks", "Moments", "Paths", "Sheet", "Step", "Tone",
+    "draw", "lloyd", "load", "save", "scatter", "steps", "to_bytes", "voronoi",
+]  # fmt: skip
+
+
+def draw(
+    style: str, tone: Tone, *, seed: int = 0, watch: Callable[[Step], None] | None = None, **knobs: Any
+) -> Sheet:
+    """The Sheet that a style makes of a tone; `watch`, where given, sees each Step.
+
+    Raises ValueError for an unknown style or knob and for values out of range.
+    """
+    from crowquill.styles import run, steps
+
+    return run(steps(style, tone, seed=seed, **knobs), watch)
+
+
+def __getattr__(name: str) -> Any:
+    """Public names are imported when first asked for, so that the command line can answer at once."""
+    if name in _HOME:
+        return getattr(import_module(f"crowquill.{_HOME[name]}"), name)
+    raise AttributeError(f"module 'crowquill' has no attribute {name!r}")

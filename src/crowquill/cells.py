@@ -1,0 +1,302 @@
+"""Cells: the exact partition of a canvas among sites, in the sites' order, clipped with shapely."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pythoncdt
+import shapely
+
+from crowquill.kernel import compiled
+from crowquill.paths import Array, Index, Paths, frozen
+from crowquill.tone import touched
+
+SUPER = 3  # vertices of its own that the triangulation counts first
+NEAR = 1e-9  # of the canvas: pieces this close touch; clipping rounds at 1e-16
+
+
+@dataclass(frozen=True, eq=False)
+class Net:
+    """The triangulation behind the cells: vertices and neighbours (t, 3), the sites that differ, the circles' centres (t, 2)."""
+
+    vertices: Any
+    neighbours: Any
+    unique: Index
+    centres: Array
+
+    @cached_property
+    def edges(self) -> tuple[Index, Array]:
+        """Every two sites joined, (e, 2), and the ends of the edge between their cells, (e, 2, 2), not clipped."""
+        table = np.empty((3 * len(self.vertices) // 2 + 3, 4), np.int64)
+        table = table[: _joined(self.vertices, self.neighbours, len(self.unique), table)]
+        return self.unique[table[:, :2]], self.centres[table[:, 2:]]
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """The parts of a canvas nearest to each of n sites.
+
+    rings   mm; ring k belongs to site owner[k], owners rise. A cell has one ring, more where
+            the canvas has holes (they turn the other way) or islands, none where it has no part of the canvas
+    canvas  the (Multi)Polygon that the cells fill: areas sum to its area
+
+    Of coincident sites the first has the cell. Neighbours share unclipped edges bit for bit.
+    """
+
+    sites: Array
+    rings: Paths
+    owner: Index
+    canvas: shapely.Geometry
+    net: Net | None = field(repr=False, default=None)
+
+    @cached_property
+    def first(self) -> Index:
+        """Where each site's rings start, (n + 1,): site i has rings first[i] to first[i + 1]."""
+        return np.searchsorted(self.owner, np.arange(len(self.sites) + 1)).astype(np.int64)
+
+    @cached_property
+    def pairs(self) -> Index:
+        """Sites i < j whose cells meet along an edge inside the canvas, (e, 2), sorted."""
+        if self.net is None:
+            return np.zeros((0, 2), np.int64)
+        sites, edges = self.net.edges
+        length = np.hypot(*(edges[:, 0] - edges[:, 1]).T)
+        real = length > 1e-12 * _reach(self.sites, self.canvas)[1]  # cocircular sites meet in a point, not an edge
+        sites, edges = sites[real], edges[real]
+        meet = shapely.intersects(self.canvas, shapely.linestrings(edges))
+        found = np.sort(sites[meet], axis=1)
+        return found[np.lexsort((found[:, 1], found[:, 0]))]
+
+
+def voronoi(sites: npt.ArrayLike, canvas: shapely.Geometry) -> Cells:
+    """The Voronoi cells of sites (n, 2) mm in a canvas, a shapely (Multi)Polygon with any holes.
+
+    On a canvas that is not convex a cell keeps the part nearest its site (the one it lies
+    in); a part cut off from it goes to the cell it touches whose site is nearest, so that
+    the areas still sum to the canvas. One site, a row of sites and coincident sites all have an
+    answer; no sites give no cells. Raises ValueError for sites that are not finite.
+
+    Source: F. Aurenhammer, Voronoi Diagrams, ACM Computing Surveys 23(3), 1991.
+    """
+    sites = frozen(sites, np.float64, (None, 2), "sites")
+    if not len(sites):
+        none = np.zeros(0, np.int64)
+        return Cells(sites, Paths.of([]), none, canvas, None)
+    points, vertices, neighbours, unique = _triangles(sites, canvas)
+    centres = np.empty((len(vertices), 2))
+    _circumcentres(points, vertices, centres)
+    start = np.zeros(len(unique) + 1, np.int64)
+    ring = np.empty(3 * len(vertices), np.int64)
+    _fans(vertices, neighbours, len(unique), start, ring)
+    xy = centres[ring[: start[-1]]]
+    return _clipped(sites, Net(vertices, neighbours, unique, centres), Paths(xy, start), canvas)
+
+
+def _reach(sites: Array, canvas: shapely.Geometry) -> tuple[Array, float]:
+    """The middle of canvas and sites together, and the half diagonal of their common box."""
+    bounds = np.array(shapely.bounds(canvas)).reshape(2, 2)
+    low = np.minimum(bounds[0], sites.min(axis=0))
+    high = np.maximum(bounds[1], sites.max(axis=0))
+    return (low + high) / 2, float(np.hypot(*(high - low))) / 2
+
+
+def _triangles(sites: Array, canvas: shapely.Geometry) -> tuple[Array, Any, Any, Index]:
+    """Points, triangles' vertices and neighbours of the Delaunay triangulation, and the sites that differ.
+
+    Points are SUPER dummies, the distinct sites, then four far ones. These stand off by more
+    than the canvas is wide, so no place on the canvas is nearest to them, yet they close every cell:
+    one site or a row of sites needs no rule of its own.
+    """
+    middle, reach = _reach(sites, canvas)
+    far = middle + 8 * reach * np.array([[1.0, 0.1], [-0.1, 1.0], [-1.0, -0.1], [0.1, -1.0]])
+    unique = np.arange(len(sites))
+    try:
+        table = _delaunay(np.concatenate([sites, far]))
+    except RuntimeError:  # it refuses coincident points; finding them first would cost every call
+        unique = np.sort(np.unique(sites + 0.0, axis=0, return_index=True)[1])
+        table = _delaunay(np.concatenate([sites[unique], far]))
+    points = np.concatenate([np.zeros((SUPER, 2)), sites[unique], far])
+    return points, table["vertices"], table["neighbors"], unique
+
+
+def _delaunay(points: Array) -> Any:
+    """The triangle table of a robust triangulation, its own outer triangle left on."""
+    net = pythoncdt.Triangulation(
+        pythoncdt.VertexInsertionOrder.AUTO, pythoncdt.IntersectingConstraintEdges.NOT_ALLOWED, 0.0
+    )
+    net.insert_vertices(np.ascontiguousarray(points))
+    return net.triangles_array()
+
+
+@compiled
+def _circumcentres(points: Array, vertices: Any, centres: Array) -> None:
+    """The centre of each triangle's circle, about its first corner; triangles with a dummy get 0."""
+    for t in range(len(vertices)):
+        a, b, c = vertices[t, 0], vertices[t, 1], vertices[t, 2]
+        centres[t, 0] = centres[t, 1] = 0.0
+        if a < SUPER or b < SUPER or c < SUPER:
+            continue
+        x, y = points[a, 0], points[a, 1]
+        bx, by, cx, cy = points[b, 0] - x, points[b, 1] - y, points[c, 0] - x, points[c, 1] - y
+        twice = 2 * (bx * cy - by * cx)
+        if twice == 0:  # too thin for floats: the middle of its longest reach stands in
+            centres[t, 0], centres[t, 1] = x + cx / 2, y + cy / 2
+            continue
+        bb, cc = bx * bx + by * by, cx * cx + cy * cy
+        centres[t, 0], centres[t, 1] = x + (cy * bb - by * cc) / twice, y + (bx * cc - cx * bb) / twice
+
+
+@compiled
+def _fans(vertices: Any, neighbours: Any, n: int, start: Index, ring: Index) -> None:
+    """For each of n sites the triangles around it, turning from x to y: ring[start[i]:start[i + 1]].
+
+    Neighbour k of a triangle lies across its side k, k + 1.
+    """
+    begin = np.full(n, -1, np.int64)
+    for t in range(len(vertices)):
+        for k in range(3):
+            v = np.int64(vertices[t, k]) - SUPER
+            if 0 <= v < n:
+                begin[v] = t
+                start[v + 1] += 1
+    for v in range(n):
+        start[v + 1] += start[v]
+    for v in range(n):
+        t = begin[v]
+        for at in range(start[v], start[v + 1]):
+            ring[at] = t
+            for k in range(3):
+                if np.int64(vertices[t, k]) - SUPER == v:
+                    t = np.int64(neighbours[t, (k + 2) % 3])
+                    break
+
+
+@compiled
+def _joined(vertices: Any, neighbours: Any, n: int, edges: Index) -> int:
+    """Rows (site, site, triangle, triangle) of the edges between two of n sites; returns how many."""
+    count = 0
+    for t in range(len(vertices)):
+        for k in range(3):
+            u, v = np.int64(vertices[t, k]) - SUPER, np.int64(vertices[t, (k + 1) % 3]) - SUPER
+            if 0 <= u < v < n:
+                edges[count, 0], edges[count, 1] = u, v
+                edges[count, 2], edges[count, 3] = t, np.int64(neighbours[t, k])
+                count += 1
+    return count
+
+
+def _clipped(sites: Array, net: Net, rings: Paths, canvas: shapely.Geometry) -> Cells:
+    """The cells on the canvas: only those that its outline may cut are handed to shapely."""
+    unique = net.unique
+    cut = np.flatnonzero(_may_be_cut(rings, canvas, len(unique)))
+    polygons = rings.take(cut).polygons()
+    sound = shapely.is_valid(polygons)
+    polygons[~sound] = shapely.convex_hull(polygons[~sound])  # a cell is convex: only rounding can have crossed it
+    pieces, cell = shapely.get_parts(shapely.intersection(polygons, canvas), return_index=True)
+    areal = shapely.area(pieces) > 0
+    pieces, cell = pieces[areal], cut[cell[areal]]
+    if len(np.unique(cell)) < len(cell):
+        cell = _handed_over(pieces, cell, sites[unique], rings, cut, net)
+    clipped, piece = Paths.of_polygons(pieces)
+    whole = np.setdiff1d(np.arange(len(unique)), cut, assume_unique=True)
+    owner = np.concatenate([whole, cell[piece]])
+    every = Paths(np.concatenate([rings.xy, clipped.xy]), np.concatenate([rings.start, clipped.start[1:] + len(rings.xy)]))
+    order = np.argsort(owner, kind="stable")
+    source = np.concatenate([whole, np.arange(len(rings), len(every))])[order]
+    return Cells(sites, every.take(source), unique[owner[order]], canvas, net)
+
+
+def _may_be_cut(rings: Paths, canvas: shapely.Geometry, n: int) -> npt.NDArray[np.bool_]:
+    """Whether each cell's box touches a square of a grid, half a spacing wide, that the canvas's outline touches."""
+    low, high = np.array(shapely.bounds(canvas)).reshape(2, 2)
+    spacing = np.sqrt(np.prod(high - low) / n)
+    grid = np.maximum(1, np.ceil(2 * (high - low) / spacing)).astype(np.int64)
+    grid = np.minimum(grid, 4 * int(np.sqrt(n)) + 16)  # a thin canvas has few squares across, not many along
+    step = (high - low) / grid
+    marks = touched(canvas, tuple(low), tuple(step), (grid[1], grid[0]))
+    sums = np.pad(np.cumsum(np.cumsum(marks, axis=0, dtype=np.int64), axis=1), ((1, 0), (1, 0)))
+    lower, upper = np.empty((n, 2)), np.empty((n, 2))
+    _boxes(rings.xy, rings.start, lower, upper)
+    left, top = np.clip(np.floor((lower - low) / step), 0, grid - 1).astype(np.int64).T
+    right, bottom = np.clip(np.floor((upper - low) / step), 0, grid - 1).astype(np.int64).T + 1
+    inside = sums[bottom, right] - sums[top, right] - sums[bottom, left] + sums[top, left]
+    return np.asarray(inside > 0) | (lower < low).any(axis=1) | (upper > high).any(axis=1)
+
+
+@compiled
+def _boxes(xy: Array, start: Index, lower: Array, upper: Array) -> None:
+    """The box of each ring; every ring has a corner here."""
+    for ring in range(len(start) - 1):
+        for axis in range(2):
+            low = high = xy[start[ring], axis]
+            for k in range(start[ring] + 1, start[ring + 1]):
+                low, high = min(low, xy[k, axis]), max(high, xy[k, axis])
+            lower[ring, axis], upper[ring, axis] = low, high
+
+
+def _handed_over(
+    pieces: npt.NDArray[np.object_],
+    cell: Index,
+    sites: Array,
+    rings: Paths,
+    cut: Index,
+    net: Net,
+) -> Index:
+    """The owner of each piece: the part nearest its site stays, the others go to the nearest site whose cell they touch.
+
+    Rounds, so that a part behind a part finds its way; what touches nothing kept stays with its own site.
+    """
+    points = shapely.points(sites)
+    gap = shapely.distance(pieces, points[cell])
+    kept = np.zeros(len(pieces), bool)
+    nearest = np.lexsort((-shapely.area(pieces), gap, cell))
+    kept[nearest[np.flatnonzero(np.diff(cell[nearest], prepend=-1))]] = True
+    owner, tolerance = cell.copy(), NEAR * _reach(sites, shapely.union_all(pieces[:1]))[1]
+    beside = _neighbours(np.searchsorted(net.unique, net.edges[0]), len(sites))
+    shapes = {int(c): piece for c, piece in zip(cell[kept], pieces[kept], strict=True)}
+    uncut = np.ones(len(sites), bool)
+    uncut[cut] = False
+    waiting = list(np.flatnonzero(~kept))
+    home: dict[int, list[tuple[int, shapely.Geometry]]] = {}
+    while waiting:
+        left = []
+        for k in waiting:
+            touching = [
+                (shapely.distance(points[o], pieces[k]), o)
+                for j in (*beside[cell[k]], cell[k])
+                for o, shape in _parts_of(int(j), shapes, home, uncut, rings)
+                if o != cell[k] and shapely.dwithin(shape, pieces[k], tolerance)
+            ]
+            if touching:
+                owner[k] = min(touching)[1]
+                home.setdefault(int(cell[k]), []).append((int(owner[k]), pieces[k]))
+            else:
+                left.append(k)
+        if len(left) == len(waiting):
+            break
+        waiting = left
+    return owner
+
+
+def _parts_of(
+    j: int,
+    shapes: dict[int, shapely.Geometry],
+    home: dict[int, list[tuple[int, shapely.Geometry]]],
+    uncut: npt.NDArray[np.bool_],
+    rings: Paths,
+) -> list[tuple[int, shapely.Geometry]]:
+    """The settled pieces of what was cell j, each with its owner."""
+    if uncut[j] and j not in shapes:
+        shapes[j] = rings.take([j]).polygons()[0]
+    return ([(j, shapes[j])] if j in shapes else []) + home.get(j, [])
+
+
+def _neighbours(pairs: Index, n: int) -> list[Index]:
+    """For each of n sites the others it is paired with."""
+    both = np.concatenate([pairs, pairs[:, ::-1]])
+    both = both[np.argsort(both[:, 0], kind="stable")]
+    return np.split(both[:, 1], np.searchsorted(both[:, 0], np.arange(1, n)))

@@ -1,0 +1,153 @@
+"""Formats: how sheets become files, and come back. One file of this folder is one format; its name is the suffix."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import io
+import os
+import tempfile
+from collections.abc import Sequence
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import IO, Any
+
+from crowquill.sheet import Sheet
+
+Target = str | os.PathLike[str] | IO[bytes]
+PART = ".part"  # suffix of a file under way
+
+
+def names() -> list[str]:
+    """The formats there are, sorted: files of this folder, and plug-ins of the group crowquill.formats."""
+    own = {path.stem for path in Path(__file__).parent.glob("[a-z]*.py")}
+    return sorted(own | {entry.name for entry in entry_points(group="crowquill.formats")})
+
+
+def save(sheet: Sheet, *targets: Target, format: str | None = None, overwrite: bool = True) -> None:
+    """Writes the sheet to every target: paths, whose suffix names the format, or open binary files.
+
+    An open file without a name takes `format`. Each file is written beside its place and
+    renamed once all are whole, so that nothing is ever half written. Raises ValueError for an unknown
+    format, FileExistsError where a file is there and may not be replaced, OSError where it cannot be written.
+    """
+    plan = [(target, module(_suffix(target, format), str(target))) for target in targets]
+    paths = [Path(target) for target in targets if isinstance(target, (str, os.PathLike))]
+    check(paths, overwrite=overwrite)
+    done: list[tuple[str, Path]] = []
+    try:
+        for target, writer in plan:
+            if not isinstance(target, (str, os.PathLike)):
+                writer.write(sheet, target)
+                continue
+            path = Path(target)
+            _clear(path)
+            handle, name = tempfile.mkstemp(prefix=f".{path.name[:80]}.{os.getpid()}.", suffix=PART, dir=path.parent)
+            done.append((name, path))
+            with os.fdopen(handle, "wb") as file:
+                writer.write(sheet, file)
+                file.flush()
+                os.fsync(file.fileno())
+            os.chmod(name, _mode(path))
+        while done:
+            os.replace(*done[0])
+            del done[0]
+    finally:
+        for name, _ in done:
+            with contextlib.suppress(OSError):
+                os.unlink(name)
+
+
+def check(paths: Sequence[Path], *, overwrite: bool = True, sources: Sequence[Path] = ()) -> None:
+    """Raises the error that saving to these paths would raise, before any work is done.
+
+    sources  files read, none of which may be a target.
+    """
+    for path in paths:
+        module(path.suffix[1:].lower(), str(path))
+        if path.is_dir():
+            raise IsADirectoryError(f"{path}: is a folder; give a file name in it")
+        if path.exists() and not path.is_file():
+            raise ValueError(f"{path}: is not a regular file; give another name")
+        if any(source.exists() and path.exists() and os.path.samefile(path, source) for source in sources):
+            raise ValueError(f"{path}: would be written over a file that is read; give another name")
+        if path.exists() and not overwrite:
+            raise FileExistsError(f"{path}: is there already; remove it, or allow it with --overwrite")
+        if not path.parent.is_dir():
+            raise FileNotFoundError(f"{path}: there is no folder {path.parent}; make it first")
+        if not os.access(path.parent, os.W_OK):
+            raise PermissionError(f"{path}: the folder cannot be written to; choose another")
+    whole = [path.resolve() for path in paths]
+    if len(set(whole)) < len(whole):
+        raise ValueError(f"{paths[0]}: is named twice; give each output its own name")
+
+
+def to_bytes(sheet: Sheet, format: str) -> bytes:
+    """The file's bytes in a format by name."""
+    buffer = io.BytesIO()
+    module(format, format).write(sheet, buffer)
+    return buffer.getvalue()
+
+
+def load(source: str | os.PathLike[str] | IO[bytes]) -> Sheet:
+    """The sheet that a file of ours was made from: every mark, glyph and ink. SVG files keep it.
+
+    A file edited since is read by its geometry, and the report says so in `warnings`.
+    """
+    name = str(source) if isinstance(source, (str, os.PathLike)) else str(getattr(source, "name", "drawing.svg"))
+    reader = module(Path(name).suffix[1:].lower(), name)
+    if not hasattr(reader, "read"):
+        raise ValueError(f"{name}: drawings cannot be read back from this format; give the SVG")
+    data = Path(source).read_bytes() if isinstance(source, (str, os.PathLike)) else source.read()
+    sheet: Sheet = reader.read(data, name)
+    return sheet
+
+
+def module(format: str, target: str) -> Any:
+    """The module of a format, or a ValueError that names those there are."""
+    if format not in names():
+        raise ValueError(f"{target}: no format {format!r}; there are {', '.join(names())}")
+    for entry in entry_points(group="crowquill.formats"):
+        if entry.name == format:
+            return entry.load()
+    return importlib.import_module(f"crowquill.formats.{format}")
+
+
+def _suffix(target: Target, format: str | None) -> str:
+    if format is not None:
+        return format
+    name = target if isinstance(target, (str, os.PathLike)) else getattr(target, "name", "")
+    return Path(str(name)).suffix[1:].lower()
+
+
+def _mode(path: Path) -> int:
+    """The mode a plain open() would give, or the one the older file has."""
+    if path.exists():
+        return path.stat().st_mode & 0o777
+    mask = os.umask(0o022)
+    os.umask(mask)
+    return 0o666 & ~mask
+
+
+def _clear(path: Path) -> None:
+    """Removes what a run that was killed left beside this target; other runs under way are left alone."""
+    for part in path.parent.glob(f".{glob_escape(path.name[:80])}.*{PART}"):
+        number = part.name.removeprefix(f".{path.name[:80]}.").split(".")[0]
+        if number.isdigit() and not _alive(int(number)):
+            with contextlib.suppress(OSError):
+                part.unlink()
+
+
+def glob_escape(name: str) -> str:
+    """A file name with its wildcards made plain."""
+    return "".join(f"[{letter}]" if letter in "*?[" else letter for letter in name)
+
+
+def _alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True

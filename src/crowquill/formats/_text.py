@@ -1,0 +1,130 @@
+"""Outlines as the text of SVG paths and PDF content: whole micrometres, the one number formatter."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from crowquill.kernel import compiled
+from crowquill.paths import Index, Paths
+from crowquill.sheet import Marks
+
+Bytes = npt.NDArray[np.uint8]
+CHUNK = 500  # paths to an element: 100 000 elements kill editors, one element of 100 000 dots is slow to select
+ELEMENTS = 1500  # chunks grow so that there are never more of them
+WIDEST = 21  # characters of the widest number and its space
+
+
+def micrometres(paths: Paths) -> Index:
+    """The points in whole micrometres, (m, 2)."""
+    return np.round(paths.xy * 1000).astype(np.int64)
+
+
+def chunks(art: Marks | Paths) -> Iterator[Paths]:
+    """The outlines of a layer's art, so many at a time that no file has too many elements."""
+    size = max(CHUNK, -(-len(art) // ELEMENTS))
+    for lo in range(0, len(art), size):
+        if isinstance(art, Marks):
+            yield art.take(slice(lo, lo + size)).outlines()
+        else:
+            yield art.take(np.arange(lo, min(len(art), lo + size)))
+
+
+def svg_path(paths: Paths) -> str:
+    """SVG path data in micrometres, relative throughout."""
+    buffer = np.empty(8 + 8 * len(paths) + 2 * WIDEST * (len(paths.xy) + len(paths)), np.uint8)
+    end = _svg(micrometres(paths), paths.start, paths.closed, paths.cubic, buffer)
+    return buffer[:end].tobytes().decode("ascii")
+
+
+def pdf_path(paths: Paths) -> str:
+    """PDF path operators in micrometres, about the first point, behind the matrix that puts them there."""
+    points = micrometres(paths)
+    x, y = points[0] if len(points) else (0, 0)
+    buffer = np.empty(8 + 8 * len(paths) + (2 * WIDEST + 4) * (len(points) + len(paths)), np.uint8)
+    end = _pdf(points - (x, y), paths.start, paths.closed, paths.cubic, buffer)
+    return f"1 0 0 1 {x} {y} cm\n" + buffer[:end].tobytes().decode("ascii")
+
+
+@compiled
+def _number(out: Bytes, at: int, value: int) -> int:
+    """Writes a whole number at `at` and returns where it ends."""
+    if value < 0:
+        out[at] = 45  # -
+        at, value = at + 1, -value
+    digits, rest = 1, value
+    while rest >= 10:
+        digits, rest = digits + 1, rest // 10
+    for k in range(digits - 1, -1, -1):
+        out[at + k] = 48 + value % 10
+        value //= 10
+    return at + digits
+
+
+@compiled
+def _pair(out: Bytes, at: int, x: int, y: int, letter: int) -> int:
+    """Writes two numbers, after a letter or, where the minus sign does not part them, a space."""
+    if letter:
+        out[at] = letter
+        at += 1
+    elif x >= 0:
+        out[at] = 32
+        at += 1
+    at = _number(out, at, x)
+    if y >= 0:
+        out[at] = 32
+        at += 1
+    return _number(out, at, y)
+
+
+@compiled
+def _svg(xy: Index, start: Index, closed: bool, cubic: bool, out: Bytes) -> int:
+    at, fromx, fromy = 0, 0, 0
+    for path in range(len(start) - 1):
+        begin, end = start[path], start[path + 1]
+        if begin == end:
+            continue
+        at = _pair(out, at, xy[begin, 0] - fromx, xy[begin, 1] - fromy, 109)  # m
+        fromx, fromy = xy[begin, 0], xy[begin, 1]
+        step = 3 if cubic else 1
+        stop = end + (1 if cubic and closed else 0)  # a closed cubic comes back to its first point
+        for k in range(begin + 1, stop):
+            j = k if k < end else begin
+            letter = 0 if k > begin + 1 else (99 if cubic else 108)  # c, l
+            at = _pair(out, at, xy[j, 0] - fromx, xy[j, 1] - fromy, letter)
+            if (k - begin) % step == 0:
+                fromx, fromy = xy[j, 0], xy[j, 1]
+        if closed:
+            out[at] = 122  # z
+            at += 1
+            fromx, fromy = xy[begin, 0], xy[begin, 1]
+    return at
+
+
+@compiled
+def _pdf(xy: Index, start: Index, closed: bool, cubic: bool, out: Bytes) -> int:
+    at = 0
+    for path in range(len(start) - 1):
+        begin, end = start[path], start[path + 1]
+        if begin == end:
+            continue
+        step = 3 if cubic else 1
+        stop = end + (1 if cubic and closed else 0)
+        for k in range(begin, stop):
+            j = k if k < end else begin
+            at = _number(out, at, xy[j, 0])
+            out[at] = 32
+            at = _number(out, at + 1, xy[j, 1])
+            out[at] = 32
+            at += 1
+            if (k - begin) % step == 0:
+                out[at] = 109 if k == begin else (99 if cubic else 108)  # m, c, l
+                out[at + 1] = 10
+                at += 2
+        if closed:
+            out[at] = 104  # h
+            out[at + 1] = 10
+            at += 2
+    return at

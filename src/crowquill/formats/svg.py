@@ -1,0 +1,221 @@
+"""SVG at true size, and the project file: what is drawn, and beside it the table it was drawn from."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import zlib
+from typing import IO, Any
+from xml.etree import ElementTree
+
+import numpy as np
+import numpy.typing as npt
+import svgwrite
+import svgwrite.container
+import svgwrite.extensions
+import svgwrite.path
+
+from crowquill.formats._text import chunks, svg_path
+from crowquill.paths import Paths
+from crowquill.sheet import TURN_STEPS, Glyph, Ink, Layer, Marks, Sheet
+from crowquill.vector import elements, local, shapes
+
+SCHEMA = 1  # of the metadata; a reader refuses a newer one
+SPACE = "urn:crowquill:drawing"
+SVG = "http://www.w3.org/2000/svg"
+PIECE = 1_000_000  # characters of table to an element: some readers stop at 10 MB of text
+UNSEEN = {"metadata", "title", "desc", "defs"}
+
+
+def write(sheet: Sheet, file: IO[bytes]) -> None:
+    """The sheet as SVG 1.1 in millimetres: a group a layer, few long paths in whole micrometres, a table of marks."""
+    width, height = sheet.size
+    drawing = svgwrite.Drawing(
+        size=(f"{width:g}mm", f"{height:g}mm"), viewBox=f"0 0 {width:g} {height:g}", debug=False
+    )
+    inkscape = svgwrite.extensions.Inkscape(drawing)
+    for number, layer in enumerate(sheet.layers, 1):
+        group = inkscape.layer(label=layer.label, id=f"layer{number}", **_paint(layer.ink))
+        scaled = svgwrite.container.Group(transform="scale(.001)", debug=False)
+        for paths in chunks(layer.art):
+            scaled.add(svgwrite.path.Path(d=svg_path(paths), debug=False))
+        group.add(scaled)
+        drawing.add(group)
+    root = drawing.get_xml()
+    about, table = _packed(sheet)
+    about["drawn"] = _digest(root)
+    root.insert(0, _metadata(about, table))
+    ElementTree.ElementTree(root).write(file, encoding="utf-8", xml_declaration=True)
+    file.write(b"\n")
+
+
+def read(data: bytes, name: str) -> Sheet:
+    """The sheet of an SVG of ours from its table, or, where it was edited since, from its geometry."""
+    root = next(iter(elements(data, name)))
+    found = root.find(f".//{{{SPACE}}}drawing")
+    if found is None:
+        raise ValueError(f"{name}: not a drawing of ours: it has no table of marks; give an SVG that crowquill wrote")
+    try:
+        about = json.loads(found.text or "")
+        if about["schema"] > SCHEMA:
+            raise ValueError(f"{name}: made by a newer crowquill (schema {about['schema']}); update this one")
+        if about["drawn"] != _digest(root):
+            return _from_geometry(data, name, about)
+        text = "".join(piece.text or "" for piece in root.iter(f"{{{SPACE}}}table"))
+        return _unpacked(about, zlib.decompress(base64.b64decode(text)))
+    except (KeyError, TypeError, zlib.error, json.JSONDecodeError, IndexError) as error:
+        raise ValueError(f"{name}: its table of marks is broken ({error}); save the drawing again") from None
+
+
+def _paint(ink: Ink) -> dict[str, str]:
+    """Fill or stroke attributes of a layer."""
+    if ink.pen is None:
+        return {"fill": _colour(ink), "stroke": "none"}
+    return {
+        "fill": "none",
+        "stroke": _colour(ink),
+        "stroke-width": f"{ink.pen * 1000:g}",
+        "stroke-linecap": "round",
+        "stroke-linejoin": "round",
+    }
+
+
+def _colour(ink: Ink) -> str:
+    """The ink on a screen: each colour takes its share of the light away."""
+    *colours, black = ink.cmyk
+    return "#" + "".join(f"{round(255 * (1 - share) * (1 - black)):02x}" for share in colours)
+
+
+def _metadata(about: dict[str, Any], table: bytes) -> ElementTree.Element:
+    metadata = ElementTree.Element("metadata")
+    drawing = ElementTree.SubElement(metadata, "drawing", {"xmlns": SPACE})
+    drawing.text = json.dumps(about, sort_keys=True, ensure_ascii=False)
+    text = base64.b64encode(zlib.compress(table, 9)).decode("ascii")
+    for at in range(0, len(text), PIECE):
+        ElementTree.SubElement(metadata, "table", {"xmlns": SPACE}).text = text[at : at + PIECE]
+    return metadata
+
+
+def _digest(root: ElementTree.Element) -> str:
+    """A checksum of everything drawn: elements of SVG and their own attributes, in order; ids and comments do not count."""
+    total = hashlib.sha256()
+
+    def walk(element: ElementTree.Element, depth: int) -> None:
+        tag = str(element.tag)
+        if (tag.startswith("{") and not tag.startswith(f"{{{SVG}}}")) or local(element) in UNSEEN:
+            return
+        kept = [
+            (key, value)
+            for key, value in sorted(element.attrib.items())
+            if not any(mark in key for mark in ":}") and key not in ("id", "xmlns", "version", "baseProfile")
+        ]
+        total.update(repr((depth, local(element), kept)).encode())
+        for child in element:
+            walk(child, depth + 1)
+
+    walk(root, 0)
+    return total.hexdigest()
+
+
+def _packed(sheet: Sheet) -> tuple[dict[str, Any], bytes]:
+    """What is said of the sheet, and its numbers in one run of bytes."""
+    parts: list[bytes] = []
+    layers = []
+    for layer in sheet.layers:
+        ink = {"name": layer.ink.name, "cmyk": list(layer.ink.cmyk), "pen": layer.ink.pen}
+        entry: dict[str, Any] = {"name": layer.name, "ink": ink}
+        art = layer.art
+        if isinstance(art, Marks):
+            entry |= {"marks": len(art), "glyphs": [_glyph(glyph) for glyph in art.glyphs]}
+            turns = np.round(art.angle * (TURN_STEPS / (2 * np.pi)))
+            for column in (*np.round(art.xy * 1000).T, np.round(art.scale * 1000), art.glyph):
+                parts.append(_column(np.diff(column, prepend=0)))
+            parts.append(_column(turns))
+            parts += [glyph.paths.xy.astype("<f8").tobytes() for glyph in art.glyphs]
+        else:
+            entry |= {"paths": len(art), "points": len(art.xy), "closed": art.closed, "cubic": art.cubic}
+            for column in (*np.round(art.xy * 1000).T, art.start):
+                parts.append(_column(np.diff(column, prepend=0)))
+        layers.append(entry)
+    about = {"schema": SCHEMA, "size_mm": list(sheet.size), "layers": layers, "recipe": dict(sheet.recipe)}
+    return about, b"".join(parts)
+
+
+def _glyph(glyph: Glyph) -> dict[str, Any]:
+    return {"size_mm": glyph.size, "points": len(glyph.paths.xy), "closed": glyph.paths.closed, "cubic": glyph.paths.cubic}
+
+
+def _column(values: npt.ArrayLike) -> bytes:
+    """Whole numbers as 8 planes of bytes, lowest first; signs folded in, so that the high planes are zeros and deflate to nothing."""
+    whole = np.asarray(values).astype("<i8")
+    folded = ((whole << 1) ^ (whole >> 63)).astype("<u8")
+    return np.ascontiguousarray(folded.view(np.uint8).reshape(-1, 8).T).tobytes()
+
+
+def _unpacked(about: dict[str, Any], table: bytes) -> Sheet:
+    at = 0
+
+    def take(size: int) -> bytes:
+        nonlocal at
+        if at + size > len(table):
+            raise IndexError("it is cut short")
+        at += size
+        return table[at - size : at]
+
+    def column(n: int) -> npt.NDArray[np.int64]:
+        planes = np.frombuffer(take(8 * n), np.uint8).reshape(8, n)
+        folded = np.ascontiguousarray(planes.T).view("<u8").reshape(n)
+        return (folded >> np.uint64(1)).astype(np.int64) ^ -(folded & np.uint64(1)).astype(np.int64)
+
+    layers = []
+    for entry in about["layers"]:
+        art: Marks | Paths
+        if "marks" in entry:
+            n = entry["marks"]
+            x, y, scale, glyph = (np.cumsum(column(n)) for _ in range(4))
+            turns = column(n)
+            glyphs = tuple(
+                Glyph(Paths.of([np.frombuffer(take(16 * g["points"]), "<f8")], closed=g["closed"], cubic=g["cubic"]), g["size_mm"])
+                for g in entry["glyphs"]
+            )
+            art = Marks(np.stack([x, y], axis=1) / 1000, turns * (2 * np.pi / TURN_STEPS), scale / 1000, glyph, glyphs)
+        else:
+            x, y = (np.cumsum(column(entry["points"])) for _ in range(2))
+            start = np.cumsum(column(entry["paths"] + 1))
+            art = Paths(np.stack([x, y], axis=1) / 1000, start, entry["closed"], entry["cubic"])
+        ink = entry["ink"]
+        layers.append(Layer(Ink(ink["name"], tuple(ink["cmyk"]), ink["pen"]), art, entry["name"]))
+    return Sheet(tuple(about["size_mm"]), tuple(layers), about["recipe"])
+
+
+def _from_geometry(data: bytes, name: str, about: dict[str, Any]) -> Sheet:
+    """The sheet as an edited file draws it: filled outlines and strokes as paths; dots are no longer marks."""
+    size, found = shapes(data, name)
+    layers = []
+    for paths, shape in found:
+        pen = None if shape.fill is not None and shape.fill.value is not None else float(shape.stroke_width or 0) * 25.4 / 96
+        colour = shape.fill if pen is None else shape.stroke
+        if colour is None or colour.value is None or pen == 0:
+            continue
+        red, green, blue = (channel / 255 for channel in (colour.red, colour.green, colour.blue))
+        black = 1 - max(red, green, blue)
+        cmy = [0.0 if black == 1 else (1 - black - share) / (1 - black) for share in (red, green, blue)]
+        ink = Ink("black" if cmy == [0, 0, 0] and black == 1 else str(colour.hex), (*cmy, black), pen)
+        layers.append(Layer(ink, paths))
+    warning = f"{name} was edited since it was made: its geometry was read, and its dots are outlines, not marks"
+    return Sheet(size, _joined(layers), about["recipe"], {"warnings": [warning]})
+
+
+def _joined(layers: list[Layer]) -> tuple[Layer, ...]:
+    """Neighbouring layers of one ink and one kind of path as one."""
+    joined: list[Layer] = []
+    for layer in layers:
+        last = joined[-1] if joined else None
+        kind = [(art.closed, art.cubic) for art in (layer.art, last.art if last else layer.art) if isinstance(art, Paths)]
+        if last and last.ink == layer.ink and kind[0] == kind[1]:
+            parts = [*last.art, *layer.art] if isinstance(last.art, Paths) and isinstance(layer.art, Paths) else []
+            joined[-1] = Layer(layer.ink, Paths.of(parts, closed=kind[0][0], cubic=kind[0][1]))
+        else:
+            joined.append(layer)
+    return tuple(joined)

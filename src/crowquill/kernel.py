@@ -1,0 +1,40 @@
+"""How hot loops are compiled and shared out over cores: one decorator, one function."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, TypeVar
+
+import numba
+
+F = TypeVar("F", bound=Callable[..., Any])
+CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def compiled(function: F) -> F:
+    """`function` compiled at its first call, kept on disk where a folder can be written, without the interpreter's lock.
+
+    Inlined into other compiled functions as any numba function is. Never "fastmath": the
+    same bytes are promised, and sums may not be reordered.
+    """
+    try:
+        return numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+    except RuntimeError:  # neither the package's folder nor the home folder can be written
+        return numba.njit(nogil=True, error_model="numpy")(function)
+
+
+def shared_out(work: Callable[[int, int], None], n: int, least: int = 4096) -> None:
+    """Calls work(lo, hi) on pieces of range(n), side by side when there are more than `least`.
+
+    Each piece must write only its own rows, so that the answer does not depend on the
+    number of cores.
+    """
+    pieces = max(1, min(CORES, n // least))
+    bounds = [n * k // pieces for k in range(pieces + 1)]
+    if pieces == 1:
+        work(0, n)
+        return
+    with ThreadPoolExecutor(pieces) as pool:
+        list(pool.map(work, bounds[:-1], bounds[1:]))

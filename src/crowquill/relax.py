@@ -1,0 +1,181 @@
+"""First sites, and how they move: scatter() and lloyd()."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from crowquill import cells, moments
+from crowquill.halftone import floyd_steinberg
+from crowquill.kernel import compiled
+from crowquill.paths import Array, Index
+from crowquill.tone import Tone
+
+STARTS = ("even", "random", "halftone")
+PIXELS_A_SITE = 4  # pixels are split until there are so many: inside one pixel sites fall at random
+GOLDEN = np.pi * (3 - np.sqrt(5))  # rad; multiples of it never line up
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Sites after `done` steps, their cells and moments, and how good they are.
+
+    energy    sum over cells of the integral of weight times squared distance to the site, mm^4
+    movement  mean distance from site to centroid, in square roots of the cell's area
+    """
+
+    done: int
+    sites: Array
+    cells: cells.Cells
+    moments: moments.Moments
+    energy: float
+    movement: float
+
+
+def scatter(tone: Tone, n: int, rng: np.random.Generator, how: str = "even") -> Array:
+    """First sites (n, 2) mm in the tone's canvas, in proportion to coverage.
+
+    even      equal ink: pixels are strung along a Hilbert curve, the string is cut into n
+              lengths of equal ink, and each gets one site at random
+    random    each site by itself
+    halftone  one site for every black pixel of a Floyd-Steinberg halftone whose grid makes
+              them about n, in rows; the number differs from n by some per mill
+
+    No ink, or n of 0, gives (0, 2). Raises ValueError for an unknown start or negative n.
+    """
+    if how not in STARTS:
+        raise ValueError(f"no start {how!r}; there are {', '.join(STARTS)}")
+    if n < 0:
+        raise ValueError(f"n is {n}; it takes 0 or more")
+    if n == 0 or not tone.ink > 0:
+        return np.zeros((0, 2))
+    if how == "halftone":
+        return _halftoned(tone, n)
+    split = int(np.ceil(np.sqrt(max(1.0, PIXELS_A_SITE * n / tone.coverage.size))))
+    ink = np.kron(tone.coverage * tone.inside, np.ones((split, split))) if split > 1 else tone.coverage * tone.inside
+    order = _hilbert(*ink.shape) if how == "even" else np.arange(ink.size)
+    total = np.cumsum(ink.ravel()[order])
+    draws = (np.arange(n) + rng.random(n)) / n if how == "even" else rng.random(n)
+    found = np.searchsorted(total, np.minimum(draws * total[-1], np.nextafter(total[-1], 0)), side="right")
+    row, column = np.divmod(order[found], ink.shape[1])
+    return _placed(tone, np.stack([column, row], axis=1), np.array(tone.pixel) / split, rng)
+
+
+def lloyd(
+    sites: npt.ArrayLike, tone: Tone, *, step: float = 1.8, exponent: float = 2.0, banned: npt.ArrayLike | None = None
+) -> Iterator[State]:
+    """States of Lloyd's relaxation without end, the sites as they were given first.
+
+    sites     (n, 2) mm in the canvas; keep their order and number
+    step      a site moves by step times the way to its cell's centroid: 1 is Lloyd's own, up to 2 still falls
+    exponent  cells weigh coverage ** exponent. Equal dots at rest lie as the square root of the
+              weight: 2 keeps tone, 1 (the published method) slowly flattens it, 0 is uniform
+    banned    (h, w) pixels of the tone that no site may move onto
+
+    A site that would leave the canvas or land on a banned pixel goes to the centroid instead, or
+    else stays. A cell without ink keeps its site. Coincident sites are parted.
+    Raises ValueError for a step outside 0 to 2 or an exponent outside 0 to 4.
+
+    Source: S. Lloyd, Least Squares Quantization in PCM, 1982; A. Secord, NPAR 2002; Q. Du, V. Faber,
+    M. Gunzburger, Centroidal Voronoi Tessellations, 1999, for the rule of the square root.
+    """
+    if not 0 < step < 2:
+        raise ValueError(f"step {step} is outside 0 to 2")
+    if not 0 <= exponent <= 4:
+        raise ValueError(f"exponent {exponent} is outside 0 to 4")
+    return _states(np.array(sites, np.float64), tone, step, exponent, None if banned is None else np.asarray(banned, bool))
+
+
+def _states(sites: Array, tone: Tone, step: float, exponent: float, banned: npt.NDArray[np.bool_] | None) -> Iterator[State]:
+    weight = tone.mapped(lambda coverage: coverage**exponent)
+    done = 0
+    while True:
+        parts = cells.voronoi(sites, tone.canvas)
+        if len(np.unique(parts.owner)) < len(sites):
+            sites = _parted(sites, parts, tone, banned)
+            parts = cells.voronoi(sites, tone.canvas)
+        sums = moments.of_tone(parts, weight)
+        way = sums.centroid - sites
+        spread = sums.covariance[:, 0, 0] + sums.covariance[:, 1, 1] + (way**2).sum(axis=1)
+        area = np.bincount(parts.owner, parts.rings.areas, len(sites))
+        gone = np.hypot(*way.T) / np.sqrt(np.where(area > 0, area, np.inf))
+        yield State(done, sites, parts, sums, float((sums.mass * spread).sum()), float(gone.mean()) if len(gone) else 0.0)
+        target = sites + step * way
+        for other in (sums.centroid, sites):
+            target = np.where(_may_hold(target, tone, banned)[:, None], target, other)
+        sites, done = target, done + 1
+
+
+def _may_hold(sites: Array, tone: Tone, banned: npt.NDArray[np.bool_] | None) -> npt.NDArray[np.bool_]:
+    """Whether each place may have a site."""
+    good = tone.holds(sites)
+    return good if banned is None else good & ~banned[tone.under(sites)]
+
+
+def _parted(sites: Array, parts: cells.Cells, tone: Tone, banned: npt.NDArray[np.bool_] | None) -> Array:
+    """Sites without a cell moved off their twins by a thousandth of the spacing, each its own way round."""
+    spacing = np.sqrt(shapely.area(tone.canvas) / len(sites))
+    lost = np.setdiff1d(np.arange(len(sites)), parts.owner)
+    turn = GOLDEN * lost
+    moved = sites.copy()
+    moved[lost] += 1e-3 * spacing * np.sqrt(1 + np.arange(len(lost)))[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    return np.where(_may_hold(moved, tone, banned)[:, None], moved, sites)
+
+
+def _placed(tone: Tone, pixel: Index, size: Array, rng: np.random.Generator) -> Array:
+    """One site at random in each pixel (column, row) of this size, inside the canvas."""
+    sites = (pixel + rng.random(pixel.shape)) * size
+    out = np.flatnonzero(~tone.holds(sites))
+    for _ in range(32):
+        if not len(out):
+            return sites
+        sites[out] = (pixel[out] + rng.random((len(out), 2))) * size
+        out = out[~tone.holds(sites[out])]
+    low = pixel[out] * size
+    scraps = shapely.intersection(shapely.box(*low.T, *(low + size).T), tone.canvas)
+    sites[out] = shapely.get_coordinates(shapely.point_on_surface(scraps))
+    return sites
+
+
+def _halftoned(tone: Tone, n: int) -> Array:
+    from PIL import Image
+
+    pitch = np.sqrt(tone.ink / n)
+    columns, rows = (max(1, round(side / pitch)) for side in tone.size)
+    ink = Image.fromarray((tone.coverage * tone.inside).astype(np.float32))
+    grid = np.asarray(ink.resize((columns, rows), Image.Resampling.BOX), np.float64)
+    row, column = np.nonzero(floyd_steinberg(np.clip(grid, 0, 1)))
+    sites = (np.stack([column, row], axis=1) + 0.5) * np.array(tone.size) / (columns, rows)
+    return sites[tone.holds(sites)]
+
+
+def _hilbert(h: int, w: int) -> Index:
+    """The pixels of a picture, as indices into its flat form, in the order of a Hilbert curve over it."""
+    key = np.empty(h * w, np.int64)
+    _hilbert_keys(h, w, key)
+    return np.argsort(key)
+
+
+@compiled
+def _hilbert_keys(h: int, w: int, key: Index) -> None:
+    """The place of each pixel along the curve over the smallest square of a power of two."""
+    top = 1
+    while top < max(h, w):
+        top *= 2
+    for r in range(h):
+        for c in range(w):
+            x, y, d, s = c, r, 0, top // 2
+            while s > 0:
+                right, below = 1 if x & s else 0, 1 if y & s else 0
+                d += s * s * ((3 * right) ^ below)
+                x, y = x & (s - 1), y & (s - 1)
+                if not below:
+                    if right:
+                        x, y = s - 1 - x, s - 1 - y
+                    x, y = y, x
+                s //= 2
+            key[r * w + c] = d

@@ -1,0 +1,257 @@
+"""What lies on the paper, and how it came there: Ink, Glyph, Marks, Layer, Sheet, Step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from crowquill.paths import Array, Index, Paths, frozen
+from crowquill.units import UM, paper
+
+TURN_STEPS = 65536  # angles are kept to this part of a turn: 1.4e-5 mm at the rim of a 0.3 mm dot
+
+
+@dataclass(frozen=True)
+class Ink:
+    """A process colour by its share of cyan, magenta, yellow and black, each 0 to 1.
+
+    pen: None fills; a width in mm strokes with round ends.
+    """
+
+    name: str = "black"
+    cmyk: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    pen: float | None = None
+
+    def __post_init__(self) -> None:
+        if len(self.cmyk) != 4 or not all(0 <= share <= 1 for share in self.cmyk):
+            raise ValueError(f"cmyk {self.cmyk} of ink {self.name!r} is not four shares from 0 to 1")
+        if self.pen is not None and not 0 < self.pen < 1000:
+            raise ValueError(f"pen {self.pen} mm of ink {self.name!r} is not a width; give None to fill")
+
+
+@dataclass(frozen=True, eq=False)
+class Glyph:
+    """The outline of a dot: one path of area 1, centroid 0 and long axis on x; `size` is its true diameter in mm."""
+
+    paths: Paths
+    size: float
+
+    @classmethod
+    def of(cls, outline: Paths) -> Glyph:
+        """The unit glyph of a closed outline in mm, which may wind either way.
+
+        Raises ValueError for an outline without area.
+        """
+        m = outline.green().sum(axis=0) if len(outline) == 1 and outline.closed else np.zeros(6)
+        if not abs(m[0]) > 0:
+            raise ValueError("a glyph takes one closed outline with an area over 0")
+        x, y = m[1:3] / m[0]
+        xx, xy, yy = m[3] / m[0] - x * x, m[4] / m[0] - x * y, m[5] / m[0] - y * y
+        long = 0.5 * np.arctan2(2 * xy, xx - yy)
+        cos, sin = np.cos(long), np.sin(long)
+        centred = outline.moved(np.eye(2), -(outline[0][0] + (x, y)))
+        scale = abs(m[0]) ** -0.5
+        unit = centred.moved(scale * np.array([[cos, sin], [-sin, cos]]))
+        points = unit.xy
+        if m[0] < 0:  # the same ring the other way round; a cubic's controls trade places by it
+            points = np.roll(points[::-1], 1, axis=0)
+        return cls(Paths(points, unit.start, True, outline.cubic), float(2 * np.sqrt(abs(m[0]) / np.pi)))
+
+    @property
+    def reach(self) -> float:
+        """The greatest distance of the outline's points from its centroid; controls count, so never too small."""
+        return float(np.hypot(*self.paths.xy.T).max())
+
+
+@dataclass(frozen=True, eq=False)
+class Marks:
+    """Many placed glyphs: xy (n, 2) mm, angle (n,) rad, scale (n,) mm, glyph (n,) index into `glyphs`.
+
+    A closed mark's own area is scale**2 mm^2.
+    """
+
+    xy: Array
+    angle: Array
+    scale: Array
+    glyph: Index
+    glyphs: tuple[Glyph, ...]
+
+    def __post_init__(self) -> None:
+        n = len(self.xy)
+        for name, dtype, shape in (
+            ("xy", np.float64, (n, 2)),
+            ("angle", np.float64, (n,)),
+            ("scale", np.float64, (n,)),
+            ("glyph", np.int64, (n,)),
+        ):
+            object.__setattr__(self, name, frozen(getattr(self, name), dtype, shape, name))
+        if n and not 0 <= self.glyph.min() <= self.glyph.max() < len(self.glyphs):
+            raise ValueError(f"glyph has an index outside 0 to {len(self.glyphs) - 1}")
+        if n and self.scale.min() < 0:
+            raise ValueError(f"scale {self.scale.min()} mm is negative")
+
+    @classmethod
+    def of(
+        cls,
+        xy: npt.ArrayLike,
+        glyphs: tuple[Glyph, ...],
+        *,
+        scale: npt.ArrayLike,
+        angle: npt.ArrayLike = 0.0,
+        glyph: npt.ArrayLike = 0,
+    ) -> Marks:
+        """Marks at xy (n, 2); scale, angle and glyph are one value for all or (n,)."""
+        points = np.asarray(xy, np.float64).reshape(-1, 2)
+        n = len(points)
+        return cls(
+            points,
+            np.broadcast_to(np.asarray(angle, np.float64), n),
+            np.broadcast_to(np.asarray(scale, np.float64), n),
+            np.broadcast_to(np.asarray(glyph, np.int64), n),
+            tuple(glyphs),
+        )
+
+    def __len__(self) -> int:
+        return len(self.xy)
+
+    def take(self, which: npt.ArrayLike | slice) -> Marks:
+        """The marks at these indices, this mask or slice."""
+        return Marks(self.xy[which], self.angle[which], self.scale[which], self.glyph[which], self.glyphs)
+
+    def moved(self, offset: npt.ArrayLike) -> Marks:
+        """All marks moved by offset (2,) mm."""
+        return replace(self, xy=self.xy + np.asarray(offset, np.float64))
+
+    def snapped(self) -> Marks:
+        """Places and scales in whole micrometres, angles in whole steps: what a file can keep."""
+        step = 2 * np.pi / TURN_STEPS
+        turns = np.round(self.angle / step) % TURN_STEPS
+        return replace(self, xy=_whole(self.xy), scale=_whole(self.scale), angle=turns * step)
+
+    def outlines(self) -> Paths:
+        """Every mark's outline at its place, in the order of the marks. Straight and cubic glyphs may not be mixed."""
+        if not len(self):
+            return Paths.of([])
+        shapes = self._shapes
+        counts = np.diff(shapes.start)[self.glyph]
+        start = np.concatenate([[0], np.cumsum(counts)])
+        x, y = shapes.xy[np.repeat(shapes.start[self.glyph] - start[:-1], counts) + np.arange(start[-1])].T
+        cos, sin = np.repeat(self.scale * np.cos(self.angle), counts), np.repeat(self.scale * np.sin(self.angle), counts)
+        xy = np.stack([cos * x - sin * y, sin * x + cos * y], axis=1) + np.repeat(self.xy, counts, axis=0)
+        return Paths(xy, start, shapes.closed, shapes.cubic)
+
+    @cached_property
+    def _shapes(self) -> Paths:
+        """All glyphs' outlines as one Paths."""
+        kinds = {(glyph.paths.closed, glyph.paths.cubic) for glyph in self.glyphs}
+        if len(kinds) > 1:
+            raise ValueError("marks mix straight and cubic, or closed and open glyphs; make a layer of each")
+        closed, cubic = kinds.pop()
+        return Paths.of([glyph.paths.xy for glyph in self.glyphs], closed=closed, cubic=cubic)
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """Art in one ink; `name` is shown in editors and is the ink's when empty.
+
+    Filled art follows the nonzero rule: holes turn the other way.
+    """
+
+    ink: Ink
+    art: Marks | Paths
+    name: str = ""
+
+    @property
+    def label(self) -> str:
+        """The name shown in editors."""
+        return self.name or self.ink.name
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """A drawing: its size (width, height) in mm, its layers from the bottom up, what made it and what came of it.
+
+    Lengths are snapped to whole micrometres when made, so that save, load, save gives the
+    same bytes. `recipe` goes into the file; `report` holds times and warnings and does not.
+    """
+
+    size: tuple[float, float]
+    layers: tuple[Layer, ...] = ()
+    recipe: Mapping[str, Any] = field(default_factory=dict)
+    report: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        width, height = (round(float(side), 3) for side in self.size)
+        if not (0 < width < np.inf and 0 < height < np.inf):
+            raise ValueError(f"sheet size {self.size} mm has no area; both sides must be over 0")
+        object.__setattr__(self, "size", (width, height))
+        object.__setattr__(self, "layers", tuple(replace(layer, art=_snapped(layer.art)) for layer in self.layers))
+        object.__setattr__(self, "recipe", MappingProxyType(dict(self.recipe)))
+        object.__setattr__(self, "report", MappingProxyType(dict(self.report)))
+
+    @property
+    def marks(self) -> Marks:
+        """The marks of the first layer that has any. Raises ValueError where there are none."""
+        for layer in self.layers:
+            if isinstance(layer.art, Marks):
+                return layer.art
+        raise ValueError("the sheet has no layer of marks")
+
+    def on(self, page: str | tuple[float, float], *, margin: float = 15.0, orientation: str = "auto") -> Sheet:
+        """The same drawing in the middle of a paper, by name or (width, height) mm.
+
+        orientation is auto (turned to suit the drawing), portrait or landscape. Raises
+        ValueError where the drawing does not fit inside the margin.
+        """
+        size = turned(paper(page) if isinstance(page, str) else page, self.size, orientation)
+        (width, height), room = self.size, [side - 2 * margin for side in size]
+        if width > room[0] + UM or height > room[1] + UM:
+            raise ValueError(
+                f"a drawing of {width:g} x {height:g} mm does not fit a paper of {size[0]:g} x {size[1]:g} mm "
+                f"with a margin of {margin:g} mm; make it smaller, or the paper larger"
+            )
+        offset = _whole(np.array([(size[0] - width) / 2, (size[1] - height) / 2]))
+        layers = tuple(replace(layer, art=_shifted(layer.art, offset)) for layer in self.layers)
+        recipe = {**self.recipe, "paper_mm": list(size), "art_mm": [width, height], "art_at_mm": offset.tolist()}
+        return Sheet(size, layers, recipe, self.report)
+
+
+@dataclass(frozen=True)
+class Step:
+    """One state of work under way: what stage, how much of it is done, figures of interest, a Sheet where there is one."""
+
+    stage: str
+    done: int
+    total: int
+    facts: Mapping[str, float] = field(default_factory=dict)
+    sheet: Sheet | None = None
+
+
+def turned(page: tuple[float, float], art: tuple[float, float], orientation: str) -> tuple[float, float]:
+    """The paper's sides in the orientation asked for; auto suits the art, and leaves a square one's paper alone."""
+    short, long = sorted(page)
+    if orientation == "auto":
+        orientation = "as it is" if art[0] == art[1] else "landscape" if art[0] > art[1] else "portrait"
+    sides = {"portrait": (short, long), "landscape": (long, short), "as it is": page}
+    if orientation not in sides:
+        raise ValueError(f"no orientation {orientation!r}; there are auto, landscape, portrait")
+    return sides[orientation]
+
+
+def _whole(values: Array) -> Array:
+    """Millimetres to the nearest whole micrometre: the float nearest to that decimal."""
+    return np.round(values, 3)
+
+
+def _snapped(art: Marks | Paths) -> Marks | Paths:
+    return art.snapped() if isinstance(art, Marks) else replace(art, xy=_whole(art.xy))
+
+
+def _shifted(art: Marks | Paths, offset: Array) -> Marks | Paths:
+    return art.moved(offset) if isinstance(art, Marks) else art.moved(np.eye(2), offset)

@@ -1,0 +1,340 @@
+"""Tone: how much ink a picture asks for, place by place, on a canvas of stated millimetres."""
+
+from __future__ import annotations
+
+import os
+import stat
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from crowquill.paths import Array, frozen
+
+BLOCK = 64  # columns to a block of prefix sums; see Tone.prefix
+MAX_PIXELS = 200_000_000  # refused from the header above this, before a pixel is decoded
+FORMATS = ("PNG", "JPEG", "TIFF", "BMP", "GIF", "WEBP", "PPM", "JPEG2000")  # no format that runs programs
+TONES = ("auto", "linear", "grey")
+FITS = ("contain", "cover", "stretch")
+REACH = 0.95  # the darkest coverage tone="auto" asks for: what dots still reach without closing up
+Source = str | os.PathLike[str] | BinaryIO | npt.NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Tone:
+    """Coverage on a rectangle: pixel (r, c) of (h, w) covers a rectangle of `size`, not a lattice point.
+
+    coverage  (h, w) share of paper to be covered by ink, 0 to 1
+    size      (width, height) mm
+    canvas    shapely Polygon or MultiPolygon in mm, origin top left, y down; None for the whole rectangle
+    """
+
+    coverage: Array
+    size: tuple[float, float]
+    canvas: shapely.Geometry | None = None
+
+    def __post_init__(self) -> None:
+        coverage = frozen(self.coverage, np.float64, (None, None), "coverage")
+        if coverage.size == 0:
+            raise ValueError("coverage has no pixels; it takes at least one")
+        if coverage.min() < 0 or coverage.max() > 1:
+            raise ValueError(f"coverage runs from {coverage.min():g} to {coverage.max():g}; it takes 0 to 1")
+        width, height = (float(side) for side in self.size)
+        if not (0 < width < np.inf and 0 < height < np.inf):
+            raise ValueError(f"size {self.size} mm has no area; both sides must be over 0")
+        sheet = shapely.box(0, 0, width, height)
+        canvas = sheet if self.canvas is None else _canvas(self.canvas, sheet)
+        shapely.prepare(canvas)
+        for name, value in (("coverage", coverage), ("size", (width, height)), ("canvas", canvas)):
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def load(
+        cls,
+        source: Source,
+        *,
+        width: float | None = None,
+        height: float | None = None,
+        fit: str = "contain",
+        tone: str = "auto",
+        gamma: float = 1.0,
+        black: float | None = None,
+        white: float | None = None,
+        invert: bool = False,
+        crop: tuple[float, float, float, float] | None = None,
+        local_contrast: float = 0.0,
+        canvas: shapely.Geometry | None = None,
+        max_pixels: int = MAX_PIXELS,
+    ) -> Tone:
+        """The Tone of a picture file, an open file or an array, on so many mm.
+
+        source          path or binary file of a picture; an array is coverage itself, 0 to 1,
+                        and takes none of the options of light
+        width, height   mm; one gives the other by the picture's shape, neither gives 180 mm of width.
+                        Both: `fit` is contain (as large as goes in), cover (the middle, cut) or stretch
+        tone            "linear": light is decoded from sRGB and coverage is 1 - light, physically exact;
+                        "grey": 1 - code value; "auto": lightness L* between the picture's
+                        own white and black points, the black point at 0.95
+        gamma           coverage ** gamma at the end; above 1 opens the shadows
+        black, white    code values (0 to 1) taken as full ink and no ink; None leaves it to the tone
+        crop            left, top, width, height as shares of the picture, before all else
+        local_contrast  0 to 1, how much of the difference to the surroundings is added (unsharp, 2 % of the width)
+        canvas          polygon in mm to draw in; None is the whole rectangle
+
+        Transparent pixels lie on white, EXIF turns the picture upright, NaN in a float TIFF is no ink.
+        Raises ValueError for what is not a picture, OSError for what cannot be read.
+        """
+        if tone not in TONES:
+            raise ValueError(f"no tone {tone!r}; there are {', '.join(TONES)}")
+        if not 0 < gamma <= 10:
+            raise ValueError(f"gamma {gamma} is outside 0 to 10")
+        if not 0 <= local_contrast <= 1:
+            raise ValueError(f"local_contrast {local_contrast} is outside 0 to 1")
+        if isinstance(source, np.ndarray):
+            coverage = _cropped(np.asarray(source, np.float64), crop)
+        else:
+            light = _cropped(decoded(source, max_pixels), crop)
+            coverage = _coverage(light, tone, black, white)
+        if local_contrast:
+            coverage = _sharpened(coverage, local_contrast)
+        if invert:
+            coverage = 1 - coverage
+        if gamma != 1:
+            coverage = coverage**gamma
+        coverage, size = _fitted(coverage, width, height, fit)
+        return cls(coverage, size, canvas)
+
+    @property
+    def pixel(self) -> tuple[float, float]:
+        """Width and height of a pixel in mm."""
+        return self.size[0] / self.coverage.shape[1], self.size[1] / self.coverage.shape[0]
+
+    @property
+    def ink(self) -> float:
+        """The area of ink asked for inside the canvas, mm^2."""
+        return float((self.coverage * self.inside).sum() * self.pixel[0] * self.pixel[1])
+
+    @cached_property
+    def is_rectangle(self) -> bool:
+        """Whether the canvas is the whole rectangle."""
+        return bool(shapely.equals(self.canvas, shapely.box(0, 0, *self.size)))
+
+    @cached_property
+    def inside(self) -> Array:
+        """The share of each pixel that lies in the canvas, (h, w), exact."""
+        (h, w), (dx, dy) = self.coverage.shape, self.pixel
+        if self.is_rectangle:
+            return frozen(np.ones((h, w)), np.float64, (h, w), "inside")
+        left, top = np.meshgrid(np.arange(w) * dx, np.arange(h) * dy)
+        share = shapely.contains_xy(self.canvas, left + dx / 2, top + dy / 2).astype(np.float64)
+        edge = touched(self.canvas, (0.0, 0.0), (dx, dy), (h, w))
+        boxes = shapely.box(left[edge], top[edge], left[edge] + dx, top[edge] + dy)
+        share[edge] = shapely.area(shapely.intersection(boxes, self.canvas)) / (dx * dy)
+        return frozen(share, np.float64, (h, w), "inside")
+
+    @cached_property
+    def prefix(self) -> Array:
+        """(h, w, 4): for each pixel the sums of coverage times 1, x, x^2 over the pixels before it, and its coverage.
+
+        The sums run within a block of 64 columns and x counts pixels from the block's left
+        edge: over whole rows the second sums grow to 1e10 and leave a cell's covariance no digits.
+        """
+        h, w = self.coverage.shape
+        table = np.zeros((h, w, 4))
+        table[:, :, 3] = self.coverage
+        i = np.arange(w) % BLOCK
+        for p in range(3):
+            part = self.coverage * (((i + 1.0) ** (p + 1) - i ** float(p + 1)) / (p + 1))
+            for left in range(0, w, BLOCK):
+                right = min(left + BLOCK, w)
+                table[:, left + 1 : right, p] = np.cumsum(part[:, left : right - 1], axis=1)
+        table.setflags(write=False)
+        return table
+
+    def mapped(self, curve: Callable[[Array], Array]) -> Tone:
+        """The same canvas with curve(coverage) for coverage; the curve takes and gives (h, w) of 0 to 1."""
+        return replace(self, coverage=curve(self.coverage))
+
+    def at(self, xy: npt.ArrayLike) -> Array:
+        """Coverage of the pixel under each point, (n,); points outside take the nearest pixel."""
+        row, column = self.under(xy)
+        return np.asarray(self.coverage[row, column])
+
+    def under(self, xy: npt.ArrayLike) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+        """Row and column of the pixel under each point of (n, 2); points outside take the nearest pixel."""
+        points, (h, w), (dx, dy) = np.asarray(xy, np.float64), self.coverage.shape, self.pixel
+        column = np.clip(np.floor(points[:, 0] / dx), 0, w - 1).astype(np.int64)
+        row = np.clip(np.floor(points[:, 1] / dy), 0, h - 1).astype(np.int64)
+        return row, column
+
+    def holds(self, xy: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+        """Whether each point of (n, 2) lies in the canvas, its border included."""
+        points = np.asarray(xy, np.float64)
+        if self.is_rectangle:
+            return np.asarray(((points >= 0) & (points <= self.size)).all(axis=1))
+        return np.asarray(shapely.intersects_xy(self.canvas, points[:, 0], points[:, 1]))
+
+
+def touched(
+    shape: shapely.Geometry, corner: tuple[float, float], step: tuple[float, float], grid: tuple[int, int]
+) -> npt.NDArray[np.bool_]:
+    """The squares of a grid (rows, columns) that the shape's outline may touch: none that it does touch is missing.
+
+    Each piece of the outline shorter than half a square is marked at its ends, and so are all neighbours.
+    """
+    from scipy.ndimage import binary_dilation
+
+    line = shapely.segmentize(shapely.boundary(shape), min(step) / 2)
+    xy = (shapely.get_coordinates(line) - corner) / step
+    column, row = np.floor(xy).astype(np.int64).T
+    marks = np.zeros(grid, bool)
+    marks[np.clip(row, 0, grid[0] - 1), np.clip(column, 0, grid[1] - 1)] = True
+    return np.asarray(binary_dilation(marks, np.ones((3, 3), bool)))
+
+
+def _canvas(canvas: shapely.Geometry, sheet: shapely.Geometry) -> shapely.Geometry:
+    """The canvas inside the sheet as a valid (Multi)Polygon of area over 0, or ValueError."""
+    if not shapely.is_valid(canvas):
+        raise ValueError(f"canvas is not a sound polygon: {shapely.is_valid_reason(canvas)}; mend its outline")
+    parts = [p for p in shapely.get_parts(shapely.intersection(canvas, sheet)) if p.geom_type == "Polygon" and p.area > 0]
+    if not parts:
+        raise ValueError("canvas has no area on the picture; it is a polygon in mm from the picture's top left corner")
+    return parts[0] if len(parts) == 1 else shapely.multipolygons(parts)
+
+
+def decoded(source: str | os.PathLike[str] | BinaryIO, max_pixels: int = MAX_PIXELS) -> Array:
+    """A picture's grey code values, (h, w) of 0 (black) to 1 (white), upright and over white.
+
+    Colours are weighed by their luminance in linear light and encoded again.
+    """
+    from PIL import Image, ImageOps, UnidentifiedImageError
+
+    name = source if isinstance(source, (str, os.PathLike)) else getattr(source, "name", "picture")
+    if isinstance(source, (str, os.PathLike)):
+        mode = Path(source).stat().st_mode
+        if not stat.S_ISREG(mode):
+            raise ValueError(f"{name}: is {'a folder' if stat.S_ISDIR(mode) else 'not a regular file'}; give a picture file")
+        if Path(source).stat().st_size == 0:
+            raise ValueError(f"{name}: the file is empty; give a picture file")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # Pillow's own warning about size: ours is the limit below
+        try:
+            with Image.open(source, formats=FORMATS) as image:
+                w, h = image.size
+                if w * h == 0:
+                    raise ValueError(f"{name}: the picture has no pixels; give one with at least one")
+                if w * h > max_pixels:
+                    raise ValueError(
+                        f"{name}: {w} x {h} pixels are over the limit of {max_pixels / 1e6:g} million; "
+                        f"make it smaller, or raise the limit with --max-pixels {w * h}"
+                    )
+                return _grey(ImageOps.exif_transpose(image))
+        except UnidentifiedImageError:
+            raise ValueError(f"{name}: not a picture that can be read; give one of {', '.join(FORMATS)}") from None
+        except Image.DecompressionBombError:
+            raise ValueError(f"{name}: too many pixels to be a sound picture; make it smaller") from None
+        except (SyntaxError, EOFError, OSError, MemoryError, TypeError, OverflowError) as error:
+            if isinstance(error, OSError) and error.errno:
+                raise
+            raise ValueError(f"{name}: the picture is broken ({' '.join(str(error).split())}); save it again") from None
+
+
+def _grey(image: Any) -> Array:
+    """Code values 0 to 1 of a Pillow image over white; float images are scaled by their finite range."""
+    if image.mode in ("F", "I") or image.mode.startswith("I;16"):
+        values = np.asarray(image).astype(np.float64)
+        if image.mode != "F":
+            return np.clip(values / 65535, 0, 1)
+        finite = values[np.isfinite(values)]
+        low, high = (finite.min(), finite.max()) if finite.size else (0.0, 0.0)
+        if high == low:
+            low, high = 0.0, max(high, 1.0)
+        with np.errstate(invalid="ignore"):
+            return np.where(np.isnan(values), 1.0, np.clip((values - low) / (high - low), 0, 1))
+    if image.mode in ("1", "L") and "transparency" not in image.info:
+        return np.asarray(image.convert("L")).astype(np.float64) / 255
+    rgba = np.asarray(image.convert("RGBA")).astype(np.float64) / 255
+    light = linear(rgba[..., :3]) @ np.array([0.2126, 0.7152, 0.0722])  # Rec. 709 luminance
+    alpha = rgba[..., 3]
+    return encoded(np.clip(light * alpha + (1 - alpha), 0, 1))
+
+
+def linear(code: Array) -> Array:
+    """Light of sRGB code values, both 0 to 1 (IEC 61966-2-1)."""
+    return np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4)
+
+
+def encoded(light: Array) -> Array:
+    """sRGB code values of light, both 0 to 1 (IEC 61966-2-1)."""
+    return np.where(light <= 0.0031308, light * 12.92, 1.055 * light ** (1 / 2.4) - 0.055)
+
+
+def lightness(light: Array) -> Array:
+    """CIE L* of light 0 to 1, itself 0 to 100."""
+    return np.where(light <= 216 / 24389, light * 24389 / 27, 116 * np.cbrt(light) - 16)
+
+
+def _coverage(code: Array, tone: str, black: float | None, white: float | None) -> Array:
+    """Coverage of code values by the named rule between the two points, or the rule's own."""
+    if not 0 <= (0.0 if black is None else black) < (1.0 if white is None else white) <= 1:
+        raise ValueError(f"black point {black} and white point {white} must rise within 0 to 1")
+    rule = {"grey": lambda v: v, "linear": linear, "auto": lambda v: lightness(linear(v)) / 100}[tone]
+    value = rule(code)
+    low, high = 0.0, 1.0
+    if tone == "auto":  # the extremes of a photograph are noise; a picture of one tone keeps its tone
+        low, high = np.percentile(value, [0.5, 99.5])
+        low, high = (low, high) if high - low > 0.05 else (0.0, 1.0)
+    low = low if black is None else float(rule(np.array(black)))
+    high = high if white is None else float(rule(np.array(white)))
+    if not low < high:
+        raise ValueError(f"black point {black} and white point {white} leave no tones between; move one")
+    return np.clip((high - value) / (high - low), 0, 1) * (REACH if tone == "auto" else 1.0)
+
+
+def _cropped(values: Array, crop: tuple[float, float, float, float] | None) -> Array:
+    if values.ndim != 2 or values.size == 0:
+        raise ValueError(f"an array of shape {values.shape} is no coverage; give (rows, columns), at least one of each")
+    if crop is None:
+        return values
+    left, top, width, height = crop
+    if not (0 <= left < left + width <= 1 + 1e-9 and 0 <= top < top + height <= 1 + 1e-9):
+        raise ValueError(f"crop {crop} is not inside the picture; give left, top, width, height as shares of 1")
+    h, w = values.shape
+    x, y = int(left * w), int(top * h)
+    return values[y : max(y + 1, round((top + height) * h)), x : max(x + 1, round((left + width) * w))]
+
+
+def _sharpened(coverage: Array, amount: float) -> Array:
+    from scipy.ndimage import gaussian_filter
+
+    around = gaussian_filter(coverage, 0.02 * coverage.shape[1], mode="nearest")
+    # white paper stays white: the difference is weighed by the ink that is there
+    return np.clip(coverage + 2 * amount * (coverage - around) * np.minimum(1, coverage / 0.1), 0, 1)
+
+
+def _fitted(coverage: Array, width: float | None, height: float | None, fit: str) -> tuple[Array, tuple[float, float]]:
+    """The coverage, cut where fit is cover, and its size in mm."""
+    if fit not in FITS:
+        raise ValueError(f"no fit {fit!r}; there are {', '.join(FITS)}")
+    for name, side in (("width", width), ("height", height)):
+        if side is not None and not 0 < side < np.inf:
+            raise ValueError(f"{name} {side} mm is not a length over 0")
+    h, w = coverage.shape
+    if width is None or height is None:
+        width = 180.0 if width is None and height is None else width
+        return coverage, (width, width * h / w) if width is not None else ((height or 0) * w / h, height or 0)
+    if fit == "stretch":
+        return coverage, (width, height)
+    if fit == "contain":
+        scale = min(width / w, height / h)
+        return coverage, (w * scale, h * scale)
+    scale = max(width / w, height / h)
+    columns, rows = max(1, round(width / scale)), max(1, round(height / scale))
+    x, y = (w - columns) // 2, (h - rows) // 2
+    return coverage[y : y + rows, x : x + columns], (width, height)

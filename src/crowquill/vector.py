@@ -1,0 +1,122 @@
+"""Other people's SVG files: read with care, and turned into Paths in millimetres."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Iterator
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import shapely
+
+from crowquill.paths import Array, Paths
+from crowquill.units import INCH
+
+LIMIT = 512 * 2**20  # bytes; ten million dots of our own stay below
+DEPTH = 200  # nested elements
+PX = INCH / 96  # mm to the CSS pixel
+
+
+def elements(data: bytes, name: str) -> Iterator[ElementTree.Element]:
+    """Every element of an SVG file in the order of the file, from the root.
+
+    Raises ValueError for what is not sound XML, declares entities, or is too large or too deep.
+    """
+    if len(data) > LIMIT:
+        raise ValueError(f"{name}: {len(data) / 2**20:.0f} MB is over the limit of {LIMIT / 2**20:.0f} MB; make it smaller")
+    if re.search(rb"<!ENTITY", data, re.IGNORECASE):
+        raise ValueError(f"{name}: declares entities, which are not read; save it as plain SVG")
+    depth, root = 0, None
+    try:
+        for event, element in ElementTree.iterparse(io.BytesIO(data), events=("start", "end")):
+            root = element if root is None else root
+            depth += 1 if event == "start" else -1
+            if depth > DEPTH:
+                raise ValueError(f"{name}: elements are nested over {DEPTH} deep; save it as plain SVG")
+    except ElementTree.ParseError as error:
+        raise ValueError(f"{name}: not sound SVG ({error}); save it again") from None
+    if root is None or local(root) != "svg":
+        raise ValueError(f"{name}: not an SVG file; give one")
+    return root.iter()
+
+
+def local(element: ElementTree.Element) -> str:
+    """The element's name without its namespace."""
+    return str(element.tag).rsplit("}", 1)[-1]
+
+
+def shapes(data: bytes, name: str) -> tuple[tuple[float, float], list[tuple[Paths, Any]]]:
+    """The page's size in mm, and each shape's subpaths as Paths with the shape itself, in drawing order.
+
+    Groups' transforms are applied, arcs and quadratic curves become cubics, lines too where
+    a shape has any curve. Open and closed subpaths come apart. Text, clips and pictures are not read.
+    """
+    import svgelements
+
+    list(elements(data, name))
+    svg = svgelements.SVG.parse(io.BytesIO(data), ppi=96)
+    size = (float(svg.width or 0) * PX, float(svg.height or 0) * PX)
+    found: list[tuple[Paths, Any]] = []
+    for shape in svg.elements():
+        if isinstance(shape, svgelements.Shape) and shape.values.get("display") != "none":
+            path = abs(svgelements.Path(shape))
+            path.approximate_arcs_with_cubics()
+            found += [(paths, shape) for paths in _subpaths(path)]
+    return size, found
+
+
+def canvas(data: bytes, name: str, size: tuple[float, float]) -> shapely.Geometry:
+    """The area that the closed shapes of an SVG file enclose, its page laid over a rectangle of this size in mm.
+
+    Shapes lying inside others are holes, as by the even-odd rule. Raises ValueError where nothing is enclosed.
+    """
+    page, found = shapes(data, name)
+    rings = [ring for paths, _ in found if paths.closed for ring in paths.flat(1e-3 * max(size)) if len(ring) > 2]
+    area = shapely.Polygon()
+    for polygon in shapely.make_valid(shapely.polygons([shapely.linearrings(ring) for ring in rings])):
+        area = shapely.symmetric_difference(area, polygon)
+    parts = [part for part in shapely.get_parts(area) if part.geom_type == "Polygon"]
+    if not parts or min(page) <= 0:
+        raise ValueError(f"{name}: encloses no area; draw a closed outline on a page the shape of the picture")
+    scale = np.array(size) / page
+    return shapely.transform(shapely.union_all(parts), lambda xy: xy * scale)
+
+
+def _subpaths(path: Any) -> list[Paths]:
+    """Closed and open subpaths of an svgelements Path, each kind as one Paths, in mm."""
+    import svgelements
+
+    curved = any(isinstance(s, (svgelements.CubicBezier, svgelements.QuadraticBezier)) for s in path)
+    rings: dict[bool, list[Array]] = {True: [], False: []}
+    for sub in path.as_subpaths():
+        points: list[complex] = []
+        closed = False
+        for segment in sub:
+            a, b = segment.start, segment.end
+            closed = closed or isinstance(segment, svgelements.Close)
+            if isinstance(segment, svgelements.Move) or not points:
+                points = [complex(b)]
+            elif not isinstance(segment, svgelements.Close) or complex(b) != complex(a):
+                points += _controls(segment, a, b) if curved else []
+                points.append(complex(b))
+        if closed and len(points) > 1 and points[0] == points[-1]:
+            points.pop()
+        xy = np.array([(p.real * PX, p.imag * PX) for p in points])
+        if len(xy) > (1 if not closed else 2):
+            rings[closed].append(xy)
+    return [Paths.of(found, closed=closed, cubic=curved) for closed, found in rings.items() if found]
+
+
+def _controls(segment: Any, a: Any, b: Any) -> list[complex]:
+    """The two inner points of a segment as a cubic."""
+    import svgelements
+
+    start, end = complex(a), complex(b)
+    if isinstance(segment, svgelements.CubicBezier):
+        return [complex(segment.control1), complex(segment.control2)]
+    if isinstance(segment, svgelements.QuadraticBezier):
+        middle = complex(segment.control)
+        return [start + (middle - start) * 2 / 3, end + (middle - end) * 2 / 3]
+    return [start + (end - start) / 3, end - (end - start) / 3]
