@@ -45,9 +45,7 @@ __all__ = [
 ]  # fmt: skip
 
 
-def draw(
-    style: str, tone: Tone, *, seed: int = 0, watch: Callable[[Step], None] | None = None, **knobs: Any
-) -> Sheet:
+def draw(style: str, tone: Tone, *, seed: int = 0, watch: Callable[[Step], None] | None = None, **knobs: Any) -> Sheet:
     """The Sheet that a style makes of a tone; `watch`, where given, sees each Step.
 
     Raises ValueError for an unknown style or knob and for values out of range.

@@ -125,9 +125,7 @@ def _triangles(sites: Array, canvas: shapely.Geometry) -> tuple[Array, Any, Any,
 
 def _delaunay(points: Array) -> Any:
     """The triangle table of a robust triangulation, its own outer triangle left on."""
-    net = pythoncdt.Triangulation(
-        pythoncdt.VertexInsertionOrder.AUTO, pythoncdt.IntersectingConstraintEdges.NOT_ALLOWED, 0.0
-    )
+    net = pythoncdt.Triangulation(pythoncdt.VertexInsertionOrder.AUTO, pythoncdt.IntersectingConstraintEdges.NOT_ALLOWED, 0.0)
     net.insert_vertices(np.ascontiguousarray(points))
     return net.triangles_array()
 

@@ -40,11 +40,8 @@ def rendered(marks: Marks, size: tuple[float, float], grid: tuple[int, int], *, 
     return cover
 
 
-def ink(marks: Marks, size: tuple[float, float]) -> float:
-    """The area of paper that the marks cover together, mm^2, within about 1e-4 for a thousand marks and more.
-
-    Marks are seen up to their own reach beyond the size (width, height) mm.
-    """
+def ink(marks: Marks) -> float:
+    """The area of paper that the marks cover together, mm^2, within about 1e-4."""
     if not len(marks):
         return 0.0
     edge = max(glyph.reach for glyph in marks.glyphs) * float(marks.scale.max())
@@ -59,9 +56,7 @@ def ink(marks: Marks, size: tuple[float, float]) -> float:
 
 
 @compiled
-def _inked(
-    xy: Array, angle: Array, scale: Array, glyph: Index, shapes: Array, start: Index, dx: float, dy: float, ink: Array
-) -> None:
+def _inked(xy: Array, angle: Array, scale: Array, glyph: Index, shapes: Array, start: Index, dx: float, dy: float, ink: Array) -> None:
     """Sets the samples inside each mark; xy is in samples, a sample of width dx and height dy mm at its own middle."""
     longest = 0
     for g in range(len(start) - 1):

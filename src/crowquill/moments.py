@@ -134,9 +134,7 @@ def _edge(prefix: Array, left: int, top: int, x0: float, y0: float, x1: float, y
 
 
 @compiled
-def _piece(
-    prefix: Array, left: int, top: int, i: int, j: int, x0: float, y0: float, x1: float, y1: float, out: Array
-) -> None:
+def _piece(prefix: Array, left: int, top: int, i: int, j: int, x0: float, y0: float, x1: float, y1: float, out: Array) -> None:
     """Adds the part of an edge that lies in pixel (j, i): the coverage to its left times dy.
 
     a0, a1, a2 are the sums of coverage times 1, x, x^2 over the pixels from the block of

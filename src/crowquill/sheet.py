@@ -233,6 +233,14 @@ class Step:
     sheet: Sheet | None = None
 
 
+def check_bar(x: float, y: float, length: float = 10.0) -> Layer:
+    """A bar of known length with ticks at its ends, its left end at (x, y) mm: whoever lays a ruler on it knows the scale."""
+    thin, tick = 0.2, 1.6  # mm
+    bars = [(0, 0, length, thin), (0, thin / 2 - tick / 2, thin, tick), (length - thin, thin / 2 - tick / 2, thin, tick)]
+    rings = [[(x + a, y + b), (x + a + w, y + b), (x + a + w, y + b + h), (x + a, y + b + h)] for a, b, w, h in bars]
+    return Layer(Ink(), Paths.of(rings), f"check bar {length:g} mm")
+
+
 def turned(page: tuple[float, float], art: tuple[float, float], orientation: str) -> tuple[float, float]:
     """The paper's sides in the orientation asked for; auto suits the art, and leaves a square one's paper alone."""
     short, long = sorted(page)

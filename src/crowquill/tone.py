@@ -22,6 +22,7 @@ MAX_PIXELS = 200_000_000  # refused from the header above this, before a pixel i
 FORMATS = ("PNG", "JPEG", "TIFF", "BMP", "GIF", "WEBP", "PPM", "JPEG2000")  # no format that runs programs
 TONES = ("auto", "linear", "grey")
 FITS = ("contain", "cover", "stretch")
+WIDTH = 180.0  # mm of a picture of which nothing is said: A4 less its margins
 REACH = 0.95  # the darkest coverage tone="auto" asks for: what dots still reach without closing up
 Source = str | os.PathLike[str] | BinaryIO | npt.NDArray[Any]
 
@@ -64,8 +65,8 @@ class Tone:
         fit: str = "contain",
         tone: str = "auto",
         gamma: float = 1.0,
-        black: float | None = None,
-        white: float | None = None,
+        black_point: float | None = None,
+        white_point: float | None = None,
         invert: bool = False,
         crop: tuple[float, float, float, float] | None = None,
         local_contrast: float = 0.0,
@@ -76,13 +77,13 @@ class Tone:
 
         source          path or binary file of a picture; an array is coverage itself, 0 to 1,
                         and takes none of the options of light
-        width, height   mm; one gives the other by the picture's shape, neither gives 180 mm of width.
-                        Both: `fit` is contain (as large as goes in), cover (the middle, cut) or stretch
+        width, height   mm; one gives the other by the picture's shape, neither gives 180 mm of width,
+                        both are a box: see fitted()
         tone            "linear": light is decoded from sRGB and coverage is 1 - light, physically exact;
                         "grey": 1 - code value; "auto": lightness L* between the picture's
                         own white and black points, the black point at 0.95
         gamma           coverage ** gamma at the end; above 1 opens the shadows
-        black, white    code values (0 to 1) taken as full ink and no ink; None leaves it to the tone
+        black_point     code value (0 to 1) taken as full ink; white_point as no ink; None leaves it to the tone
         crop            left, top, width, height as shares of the picture, before all else
         local_contrast  0 to 1, how much of the difference to the surroundings is added (unsharp, 2 % of the width)
         canvas          polygon in mm to draw in; None is the whole rectangle
@@ -100,15 +101,16 @@ class Tone:
             coverage = _cropped(np.asarray(source, np.float64), crop)
         else:
             light = _cropped(decoded(source, max_pixels), crop)
-            coverage = _coverage(light, tone, black, white)
+            coverage = _coverage(light, tone, black_point, white_point)
         if local_contrast:
             coverage = _sharpened(coverage, local_contrast)
         if invert:
             coverage = 1 - coverage
         if gamma != 1:
             coverage = coverage**gamma
-        coverage, size = _fitted(coverage, width, height, fit)
-        return cls(coverage, size, canvas)
+        h, w = coverage.shape
+        loaded = cls(coverage, (WIDTH, WIDTH * h / w)).fitted(width, height, fit)
+        return loaded if canvas is None else replace(loaded, canvas=canvas)
 
     @property
     def pixel(self) -> tuple[float, float]:
@@ -156,6 +158,38 @@ class Tone:
                 table[:, left + 1 : right, p] = np.cumsum(part[:, left : right - 1], axis=1)
         table.setflags(write=False)
         return table
+
+    def fitted(self, width: float | None = None, height: float | None = None, fit: str = "contain") -> Tone:
+        """The same picture at another size in mm; its canvas goes with it.
+
+        One side gives the other by the picture's shape. For both, fit is contain (as large as
+        goes in), cover (the middle, cut to whole pixels) or stretch. Raises ValueError otherwise.
+        """
+        if fit not in FITS:
+            raise ValueError(f"no fit {fit!r}; there are {', '.join(FITS)}")
+        for name, side in (("width", width), ("height", height)):
+            if side is not None and not 0 < side < np.inf:
+                raise ValueError(f"{name} is {side} mm; it takes a length over 0")
+        h, w = self.coverage.shape
+        old = np.array(self.size)
+        if width is None or height is None or fit == "contain":
+            scale = min(side / own for side, own in zip((width, height), old, strict=True) if side is not None) if width or height else 1
+            return self._resized(slice(h), slice(w), (old[0] * scale, old[1] * scale))
+        if fit == "stretch":
+            return self._resized(slice(h), slice(w), (width, height))
+        scale = max(width / old[0], height / old[1])
+        columns = max(1, round(width / (self.pixel[0] * scale)))
+        rows = max(1, round(height / (self.pixel[1] * scale)))
+        x, y = (w - columns) // 2, (h - rows) // 2
+        return self._resized(slice(y, y + rows), slice(x, x + columns), (width, height))
+
+    def _resized(self, rows: slice, columns: slice, size: tuple[float, float]) -> Tone:
+        coverage = self.coverage[rows, columns]
+        if self.is_rectangle:
+            return Tone(coverage, size)
+        corner = np.array([columns.start or 0, rows.start or 0]) * self.pixel
+        scale = np.array(size) / (coverage.shape[1], coverage.shape[0]) / self.pixel
+        return Tone(coverage, size, shapely.transform(self.canvas, lambda xy: (xy - corner) * scale))
 
     def mapped(self, curve: Callable[[Array], Array]) -> Tone:
         """The same canvas with curve(coverage) for coverage; the curve takes and gives (h, w) of 0 to 1."""
@@ -316,25 +350,3 @@ def _sharpened(coverage: Array, amount: float) -> Array:
     around = gaussian_filter(coverage, 0.02 * coverage.shape[1], mode="nearest")
     # white paper stays white: the difference is weighed by the ink that is there
     return np.clip(coverage + 2 * amount * (coverage - around) * np.minimum(1, coverage / 0.1), 0, 1)
-
-
-def _fitted(coverage: Array, width: float | None, height: float | None, fit: str) -> tuple[Array, tuple[float, float]]:
-    """The coverage, cut where fit is cover, and its size in mm."""
-    if fit not in FITS:
-        raise ValueError(f"no fit {fit!r}; there are {', '.join(FITS)}")
-    for name, side in (("width", width), ("height", height)):
-        if side is not None and not 0 < side < np.inf:
-            raise ValueError(f"{name} {side} mm is not a length over 0")
-    h, w = coverage.shape
-    if width is None or height is None:
-        width = 180.0 if width is None and height is None else width
-        return coverage, (width, width * h / w) if width is not None else ((height or 0) * w / h, height or 0)
-    if fit == "stretch":
-        return coverage, (width, height)
-    if fit == "contain":
-        scale = min(width / w, height / h)
-        return coverage, (w * scale, h * scale)
-    scale = max(width / w, height / h)
-    columns, rows = max(1, round(width / scale)), max(1, round(height / scale))
-    x, y = (w - columns) // 2, (h - rows) // 2
-    return coverage[y : y + rows, x : x + columns], (width, height)

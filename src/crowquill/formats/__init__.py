@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import glob
 import importlib
 import io
 import os
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import IO, Any
@@ -31,24 +33,39 @@ def save(sheet: Sheet, *targets: Target, format: str | None = None, overwrite: b
     renamed once all are whole, so that nothing is ever half written. Raises ValueError for an unknown
     format, FileExistsError where a file is there and may not be replaced, OSError where it cannot be written.
     """
-    plan = [(target, module(_suffix(target, format), str(target))) for target in targets]
     paths = [Path(target) for target in targets if isinstance(target, (str, os.PathLike))]
+    plan = [(path, writer(sheet, path, format)) for path in paths]
     check(paths, overwrite=overwrite)
+    for target in targets:
+        if not isinstance(target, (str, os.PathLike)):
+            writer(sheet, Path(str(getattr(target, "name", "open file"))), format)(target)
+    replace_files(plan)
+
+
+def writer(sheet: Sheet, path: Path, format: str | None = None) -> Callable[[IO[bytes]], None]:
+    """The function that writes the sheet to an open file, in a format by name or by the path's suffix."""
+    return partial(module(format or path.suffix[1:].lower(), str(path)).write, sheet)
+
+
+def replace_files(plan: Sequence[tuple[Path, Callable[[IO[bytes]], None]]]) -> None:
+    """Fills each path by its function, all beside their places first, then renamed: all or none, never half of one.
+
+    An OSError names the path it happened to.
+    """
     done: list[tuple[str, Path]] = []
     try:
-        for target, writer in plan:
-            if not isinstance(target, (str, os.PathLike)):
-                writer.write(sheet, target)
-                continue
-            path = Path(target)
+        for path, fill in plan:
             _clear(path)
-            handle, name = tempfile.mkstemp(prefix=f".{path.name[:80]}.{os.getpid()}.", suffix=PART, dir=path.parent)
-            done.append((name, path))
-            with os.fdopen(handle, "wb") as file:
-                writer.write(sheet, file)
-                file.flush()
-                os.fsync(file.fileno())
-            os.chmod(name, _mode(path))
+            try:
+                handle, name = tempfile.mkstemp(prefix=f".{path.name[:80]}.{os.getpid()}.", suffix=PART, dir=path.parent)
+                done.append((name, path))
+                with os.fdopen(handle, "wb") as file:
+                    fill(file)
+                    file.flush()
+                    os.fsync(file.fileno())
+                Path(name).chmod(_mode(path))
+            except OSError as error:
+                raise OSError(error.errno, error.strerror or str(error), str(path)) from error
         while done:
             os.replace(*done[0])
             del done[0]
@@ -64,12 +81,11 @@ def check(paths: Sequence[Path], *, overwrite: bool = True, sources: Sequence[Pa
     sources  files read, none of which may be a target.
     """
     for path in paths:
-        module(path.suffix[1:].lower(), str(path))
         if path.is_dir():
             raise IsADirectoryError(f"{path}: is a folder; give a file name in it")
         if path.exists() and not path.is_file():
             raise ValueError(f"{path}: is not a regular file; give another name")
-        if any(source.exists() and path.exists() and os.path.samefile(path, source) for source in sources):
+        if any(source.exists() and path.exists() and path.samefile(source) for source in sources):
             raise ValueError(f"{path}: would be written over a file that is read; give another name")
         if path.exists() and not overwrite:
             raise FileExistsError(f"{path}: is there already; remove it, or allow it with --overwrite")
@@ -113,13 +129,6 @@ def module(format: str, target: str) -> Any:
     return importlib.import_module(f"crowquill.formats.{format}")
 
 
-def _suffix(target: Target, format: str | None) -> str:
-    if format is not None:
-        return format
-    name = target if isinstance(target, (str, os.PathLike)) else getattr(target, "name", "")
-    return Path(str(name)).suffix[1:].lower()
-
-
 def _mode(path: Path) -> int:
     """The mode a plain open() would give, or the one the older file has."""
     if path.exists():
@@ -131,16 +140,11 @@ def _mode(path: Path) -> int:
 
 def _clear(path: Path) -> None:
     """Removes what a run that was killed left beside this target; other runs under way are left alone."""
-    for part in path.parent.glob(f".{glob_escape(path.name[:80])}.*{PART}"):
+    for part in path.parent.glob(f".{glob.escape(path.name[:80])}.*{PART}"):
         number = part.name.removeprefix(f".{path.name[:80]}.").split(".")[0]
         if number.isdigit() and not _alive(int(number)):
             with contextlib.suppress(OSError):
                 part.unlink()
-
-
-def glob_escape(name: str) -> str:
-    """A file name with its wildcards made plain."""
-    return "".join(f"[{letter}]" if letter in "*?[" else letter for letter in name)
 
 
 def _alive(process: int) -> bool:

@@ -31,9 +31,7 @@ UNSEEN = {"metadata", "title", "desc", "defs"}
 def write(sheet: Sheet, file: IO[bytes]) -> None:
     """The sheet as SVG 1.1 in millimetres: a group a layer, few long paths in whole micrometres, a table of marks."""
     width, height = sheet.size
-    drawing = svgwrite.Drawing(
-        size=(f"{width:g}mm", f"{height:g}mm"), viewBox=f"0 0 {width:g} {height:g}", debug=False
-    )
+    drawing = svgwrite.Drawing(size=(f"{width:g}mm", f"{height:g}mm"), viewBox=f"0 0 {width:g} {height:g}", debug=False)
     inkscape = svgwrite.extensions.Inkscape(drawing)
     for number, layer in enumerate(sheet.layers, 1):
         group = inkscape.layer(label=layer.label, id=f"layer{number}", **_paint(layer.ink))
