@@ -9,9 +9,8 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from crowquill import cells, moments
+from crowquill import cells, hilbert, moments
 from crowquill.halftone import floyd_steinberg
-from crowquill.kernel import compiled
 from crowquill.paths import Array, Index
 from crowquill.tone import Tone
 
@@ -57,7 +56,7 @@ def scatter(tone: Tone, n: int, rng: np.random.Generator, how: str = "even") -> 
         return _halftoned(tone, n)
     split = int(np.ceil(np.sqrt(max(1.0, PIXELS_A_SITE * n / tone.coverage.size))))
     ink = np.kron(tone.coverage * tone.inside, np.ones((split, split))) if split > 1 else tone.coverage * tone.inside
-    order = _hilbert(*ink.shape) if how == "even" else np.arange(ink.size)
+    order = hilbert.of_grid(*ink.shape) if how == "even" else np.arange(ink.size)
     total = np.cumsum(ink.ravel()[order])
     draws = (np.arange(n) + rng.random(n)) / n if how == "even" else rng.random(n)
     found = np.searchsorted(total, np.minimum(draws * total[-1], np.nextafter(total[-1], 0)), side="right")
@@ -151,31 +150,3 @@ def _halftoned(tone: Tone, n: int) -> Array:
     row, column = np.nonzero(floyd_steinberg(np.clip(grid, 0, 1)))
     sites = (np.stack([column, row], axis=1) + 0.5) * np.array(tone.size) / (columns, rows)
     return sites[tone.holds(sites)]
-
-
-def _hilbert(h: int, w: int) -> Index:
-    """The pixels of a picture, as indices into its flat form, in the order of a Hilbert curve over it."""
-    key = np.empty(h * w, np.int64)
-    _hilbert_keys(h, w, key)
-    return np.argsort(key)
-
-
-@compiled
-def _hilbert_keys(h: int, w: int, key: Index) -> None:
-    """The place of each pixel along the curve over the smallest square of a power of two."""
-    top = 1
-    while top < max(h, w):
-        top *= 2
-    for r in range(h):
-        for c in range(w):
-            x, y, d, s = c, r, 0, top // 2
-            while s > 0:
-                right, below = 1 if x & s else 0, 1 if y & s else 0
-                d += s * s * ((3 * right) ^ below)
-                x, y = x & (s - 1), y & (s - 1)
-                if not below:
-                    if right:
-                        x, y = s - 1 - x, s - 1 - y
-                    x, y = y, x
-                s //= 2
-            key[r * w + c] = d
