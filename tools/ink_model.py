@@ -164,12 +164,10 @@ def sheet(name: str, about: str, made: str, source: str, rings: list[Array]) -> 
     facts |= {"made": made, "source": source, "licence": "MIT"}
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
-        '<svg xmlns="http://www.w3.org/2000/svg" version="1.1" '
-        f'width="{wide:g}mm" height="{high:g}mm" viewBox="0 0 {wide:g} {high:g}">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" version="1.1" width="{wide:g}mm" height="{high:g}mm" viewBox="0 0 {wide:g} {high:g}">',
         f"<title>{escape(name)}</title>",
         f"<desc>{escape(about)}</desc>",
-        '<metadata><library xmlns="urn:crowquill:library" schema="1">'
-        f"{escape(json.dumps(facts, indent=2))}</library></metadata>",
+        f'<metadata><library xmlns="urn:crowquill:library" schema="1">{escape(json.dumps(facts, indent=2))}</library></metadata>',
         '<g fill="#000">',
     ]
     for i, ring in enumerate(rings):

@@ -126,7 +126,8 @@ def _triangles(sites: Array, canvas: shapely.Geometry) -> tuple[Array, Any, Any,
 def _delaunay(points: Array) -> Any:
     """The triangle table of a robust triangulation, its own outer triangle left on."""
     net = pythoncdt.Triangulation(pythoncdt.VertexInsertionOrder.AUTO, pythoncdt.IntersectingConstraintEdges.NOT_ALLOWED, 0.0)
-    net.insert_vertices(np.ascontiguousarray(points))
+    flat: Any = np.ascontiguousarray(points)
+    net.insert_vertices(flat)
     return net.triangles_array()
 
 
@@ -157,19 +158,18 @@ def _fans(vertices: Any, neighbours: Any, n: int, start: Index, ring: Index) -> 
     begin = np.full(n, -1, np.int64)
     for t in range(len(vertices)):
         for k in range(3):
-            v = np.int64(vertices[t, k]) - SUPER
+            v = np.int64(vertices[t, k]) - SUPER  # unsigned in the table
             if 0 <= v < n:
                 begin[v] = t
                 start[v + 1] += 1
-    for v in range(n):
-        start[v + 1] += start[v]
-    for v in range(n):
-        t = begin[v]
-        for at in range(start[v], start[v + 1]):
-            ring[at] = t
+    for site in range(n):
+        start[site + 1] += start[site]
+        now = begin[site]
+        for at in range(start[site], start[site + 1]):
+            ring[at] = now
             for k in range(3):
-                if np.int64(vertices[t, k]) - SUPER == v:
-                    t = np.int64(neighbours[t, (k + 2) % 3])
+                if np.int64(vertices[now, k]) - SUPER == site:
+                    now = np.int64(neighbours[now, (k + 2) % 3])
                     break
 
 

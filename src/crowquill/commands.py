@@ -12,7 +12,7 @@ import unicodedata
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, BinaryIO
 
 import typer
 
@@ -221,7 +221,7 @@ def _drawn(
     drawn = time.perf_counter()
     found: dict[str, Any] = {**sheet.report, "paper_mm": list(sheet.size), "files": [str(path) for path in out]}
 
-    def told(file: IO[bytes]) -> None:
+    def told(file: BinaryIO) -> None:
         seconds = {**found["seconds"], "write": round(time.perf_counter() - drawn, 3), "total": round(time.perf_counter() - began, 3)}
         file.write(json.dumps({**found, "seconds": seconds}, indent=2, ensure_ascii=False).encode() + b"\n")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
 
@@ -19,10 +19,12 @@ def compiled(function: F) -> F:
     Inlined into other compiled functions as any numba function is. Never "fastmath": the
     same bytes are promised, and sums may not be reordered.
     """
+    made: Any
     try:
-        return numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+        made = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
     except RuntimeError:  # neither the package's folder nor the home folder can be written
-        return numba.njit(nogil=True, error_model="numpy")(function)
+        made = numba.njit(nogil=True, error_model="numpy")(function)
+    return cast(F, made)
 
 
 def shared_out(work: Callable[[int, int], None], n: int, least: int = 4096) -> None:

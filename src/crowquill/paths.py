@@ -13,11 +13,13 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
+from crowquill.kernel import compiled
+
 Array = npt.NDArray[np.float64]
 Index = npt.NDArray[np.int64]
 
-# Gauss-Legendre with k points is exact to degree 2k - 1: second moments of cubic outlines have degree 11, of sides 3.
-_GAUSS = {cubic: np.polynomial.legendre.leggauss(6 if cubic else 2) for cubic in (True, False)}
+# Gauss-Legendre with 6 points is exact to degree 11, which second moments of cubic outlines have.
+_GAUSS = np.polynomial.legendre.leggauss(6)
 
 
 def frozen(values: npt.ArrayLike, dtype: Any, shape: tuple[int | None, ...], name: str) -> npt.NDArray[Any]:
@@ -136,14 +138,16 @@ class Paths:
     def green(self) -> Array:
         """The integrals of 1, x, y, xx, xy, yy inside each closed path, about its own first point: (n, 6).
 
-        Exact for straight sides and cubics alike: by Green's theorem each is an integral
-        along the outline of degree 11 at most. About a far origin the digits cancel. An empty path gives zeros.
+        Exact for straight sides and for cubics: by Green's theorem each is an integral
+        along the outline. About a far origin the digits cancel. An empty path gives zeros.
         """
+        if not self.cubic:
+            return self._green_straight()
         a, b, c, d, path = self._curves()
         origin = a[np.searchsorted(path, path)]
         a, b, c, d = a - origin, b - origin, c - origin, d - origin
         sums = np.zeros((len(self), 6))
-        for node, weight in zip(*_GAUSS[self.cubic], strict=True):
+        for node, weight in zip(*_GAUSS, strict=True):
             t, s, w = (1 + node) / 2, (1 - node) / 2, weight / 2
             x, y = (s**3 * a + 3 * s * s * t * b + 3 * s * t * t * c + t**3 * d).T
             dy = (3 * s * s * (b - a) + 6 * s * t * (c - b) + 3 * t * t * (d - c))[:, 1] * w
@@ -151,17 +155,29 @@ class Paths:
                 sums[:, k] += np.bincount(path, term * dy, len(self))
         return sums
 
+    def _green_straight(self) -> Array:
+        a, _, _, b, path = self._curves()
+        origin = a[np.searchsorted(path, path)]
+        (u, v), (x, y) = (a - origin).T, (b - origin).T
+        cross = u * y - x * v
+        terms = (
+            cross / 2,
+            (u + x) * cross / 6,
+            (v + y) * cross / 6,
+            (u * u + u * x + x * x) * cross / 12,
+            (2 * u * v + u * y + x * v + 2 * x * y) * cross / 24,
+            (v * v + v * y + y * y) * cross / 12,
+        )
+        return np.stack([np.bincount(path, term, len(self)).astype(np.float64) for term in terms], axis=1)
+
     @property
     def areas(self) -> Array:
         """The area of each closed path, (n,) mm^2: positive when x turns towards y."""
         if self.cubic:
             return self.green()[:, 0]
-        path = self.path
-        after = np.arange(1, len(self.xy) + 1)
-        after[self.start[1:][np.diff(self.start) > 0] - 1] = self.start[:-1][np.diff(self.start) > 0]
-        near = self.xy - self.xy[self.start[path]]
-        x, y = near.T
-        return np.bincount(path, (x * y[after] - x[after] * y) / 2, len(self))
+        areas = np.zeros(len(self))
+        _areas(self.xy, self.start, areas)
+        return areas
 
     def polygons(self) -> npt.NDArray[np.object_]:
         """Each ring as a shapely Polygon, (n,); rings of fewer than 3 points are empty Polygons."""
@@ -185,9 +201,21 @@ class Paths:
 
         def after(k: int) -> Array:
             j = i + k
-            return self.xy[np.where(j > last[path], self.start[path], j)]
+            found: Array = self.xy[np.where(j > last[path], self.start[path], j)]
+            return found
 
         a, d = self.xy[i], after(step)
         if self.cubic:
             return a, self.xy[i + 1], self.xy[i + 2], d, path
         return a, a + (d - a) / 3, d - (d - a) / 3, d, path
+
+
+@compiled
+def _areas(xy: Array, start: Index, areas: Array) -> None:
+    """Fills the area of each ring of straight sides, summed about its first point."""
+    for ring in range(len(start) - 1):
+        begin, end = start[ring], start[ring + 1]
+        for k in range(begin + 1, end - 1):
+            u, v = xy[k, 0] - xy[begin, 0], xy[k, 1] - xy[begin, 1]
+            x, y = xy[k + 1, 0] - xy[begin, 0], xy[k + 1, 1] - xy[begin, 1]
+            areas[ring] += (u * y - x * v) / 2

@@ -149,4 +149,5 @@ def _halftoned(tone: Tone, n: int) -> Array:
     grid = np.asarray(ink.resize((columns, rows), Image.Resampling.BOX), np.float64)
     row, column = np.nonzero(floyd_steinberg(np.clip(grid, 0, 1)))
     sites = (np.stack([column, row], axis=1) + 0.5) * np.array(tone.size) / (columns, rows)
-    return sites[tone.holds(sites)]
+    kept: Array = sites[tone.holds(sites)]
+    return kept

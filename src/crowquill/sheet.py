@@ -120,7 +120,7 @@ class Marks:
     def __len__(self) -> int:
         return len(self.xy)
 
-    def take(self, which: npt.ArrayLike | slice) -> Marks:
+    def take(self, which: Index | npt.NDArray[np.bool_] | slice) -> Marks:
         """The marks at these indices, this mask or slice."""
         return Marks(self.xy[which], self.angle[which], self.scale[which], self.glyph[which], self.glyphs)
 

@@ -318,7 +318,9 @@ def _coverage(code: Array, tone: str, black: float | None, white: float | None) 
     """Coverage of code values by the named rule between the two points, or the rule's own."""
     if not 0 <= (0.0 if black is None else black) < (1.0 if white is None else white) <= 1:
         raise ValueError(f"black point {black} and white point {white} must rise within 0 to 1")
-    rule = {"grey": lambda v: v, "linear": linear, "auto": lambda v: lightness(linear(v)) / 100}[tone]
+    rules: dict[str, Callable[[Array], Array]]
+    rules = {"grey": lambda v: v, "linear": linear, "auto": lambda v: lightness(linear(v)) / 100}
+    rule = rules[tone]
     value = rule(code)
     low, high = 0.0, 1.0
     if tone == "auto":  # the extremes of a photograph are noise; a picture of one tone keeps its tone
@@ -328,7 +330,8 @@ def _coverage(code: Array, tone: str, black: float | None, white: float | None) 
     high = high if white is None else float(rule(np.array(white)))
     if not low < high:
         raise ValueError(f"black point {black} and white point {white} leave no tones between; move one")
-    return np.clip((high - value) / (high - low), 0, 1) * (REACH if tone == "auto" else 1.0)
+    coverage: Array = np.clip((high - value) / (high - low), 0, 1) * (REACH if tone == "auto" else 1.0)
+    return coverage
 
 
 def _cropped(values: Array, crop: tuple[float, float, float, float] | None) -> Array:

@@ -19,7 +19,7 @@ DEPTH = 200  # nested elements
 PX = INCH / 96  # mm to the CSS pixel
 
 
-def elements(data: bytes, name: str) -> Iterator[ElementTree.Element]:
+def elements(data: bytes, name: str) -> Iterator[Any]:
     """Every element of an SVG file in the order of the file, from the root.
 
     Raises ValueError for what is not sound XML, declares entities, or is too large or too deep.
@@ -28,7 +28,8 @@ def elements(data: bytes, name: str) -> Iterator[ElementTree.Element]:
         raise ValueError(f"{name}: {len(data) / 2**20:.0f} MB is over the limit of {LIMIT / 2**20:.0f} MB; make it smaller")
     if re.search(rb"<!ENTITY", data, re.IGNORECASE):
         raise ValueError(f"{name}: declares entities, which are not read; save it as plain SVG")
-    depth, root = 0, None
+    depth = 0
+    root: Any = None
     try:
         for event, element in ElementTree.iterparse(io.BytesIO(data), events=("start", "end")):
             root = element if root is None else root
@@ -39,10 +40,11 @@ def elements(data: bytes, name: str) -> Iterator[ElementTree.Element]:
         raise ValueError(f"{name}: not sound SVG ({error}); save it again") from None
     if root is None or local(root) != "svg":
         raise ValueError(f"{name}: not an SVG file; give one")
-    return root.iter()
+    every: Iterator[Any] = root.iter()
+    return every
 
 
-def local(element: ElementTree.Element) -> str:
+def local(element: Any) -> str:
     """The element's name without its namespace."""
     return str(element.tag).rsplit("}", 1)[-1]
 

@@ -12,11 +12,11 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import IO, Any
+from typing import Any, BinaryIO
 
 from crowquill.sheet import Sheet
 
-Target = str | os.PathLike[str] | IO[bytes]
+Target = str | os.PathLike[str] | BinaryIO
 PART = ".part"  # suffix of a file under way
 
 
@@ -42,12 +42,12 @@ def save(sheet: Sheet, *targets: Target, format: str | None = None, overwrite: b
     replace_files(plan)
 
 
-def writer(sheet: Sheet, path: Path, format: str | None = None) -> Callable[[IO[bytes]], None]:
+def writer(sheet: Sheet, path: Path, format: str | None = None) -> Callable[[BinaryIO], None]:
     """The function that writes the sheet to an open file, in a format by name or by the path's suffix."""
     return partial(module(format or path.suffix[1:].lower(), str(path)).write, sheet)
 
 
-def replace_files(plan: Sequence[tuple[Path, Callable[[IO[bytes]], None]]]) -> None:
+def replace_files(plan: Sequence[tuple[Path, Callable[[BinaryIO], None]]]) -> None:
     """Fills each path by its function, all beside their places first, then renamed: all or none, never half of one.
 
     An OSError names the path it happened to.
@@ -105,7 +105,7 @@ def to_bytes(sheet: Sheet, format: str) -> bytes:
     return buffer.getvalue()
 
 
-def load(source: str | os.PathLike[str] | IO[bytes]) -> Sheet:
+def load(source: str | os.PathLike[str] | BinaryIO) -> Sheet:
     """The sheet that a file of ours was made from: every mark, glyph and ink. SVG files keep it.
 
     A file edited since is read by its geometry, and the report says so in `warnings`.

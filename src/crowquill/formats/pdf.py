@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from decimal import Decimal
-from typing import IO
+from typing import BinaryIO
 
 import pikepdf
 from reportlab.pdfgen.canvas import Canvas
@@ -14,7 +14,7 @@ from crowquill.sheet import Ink, Sheet
 from crowquill.units import POINT, UM
 
 
-def write(sheet: Sheet, file: IO[bytes]) -> None:
+def write(sheet: Sheet, file: BinaryIO) -> None:
     """The sheet as a PDF page whose MediaBox and TrimBox are its size; art as chunks of plain path operators.
 
     Form XObjects and a font of dots were measured and left: the first take Poppler minutes, the second
@@ -51,7 +51,7 @@ def _colour(ink: Ink) -> str:
     return f"{shares} {stroke} {ink.pen * 1000:g} w 1 J 1 j"
 
 
-def _finished(drawn: io.BytesIO, file: IO[bytes], width: float, height: float) -> None:
+def _finished(drawn: io.BytesIO, file: BinaryIO, width: float, height: float) -> None:
     """The library's file with exact boxes, a file ID, no unused font and no empty transition."""
     drawn.seek(0)
     pikepdf.settings.set_flate_compression_level(9)

@@ -6,7 +6,7 @@ import base64
 import hashlib
 import json
 import zlib
-from typing import IO, Any
+from typing import Any, BinaryIO
 from xml.etree import ElementTree
 
 import numpy as np
@@ -17,7 +17,7 @@ import svgwrite.extensions
 import svgwrite.path
 
 from crowquill.formats._text import chunks, svg_path
-from crowquill.paths import Paths
+from crowquill.paths import Array, Paths
 from crowquill.sheet import TURN_STEPS, Glyph, Ink, Layer, Marks, Sheet
 from crowquill.vector import elements, local, shapes
 
@@ -28,7 +28,7 @@ PIECE = 1_000_000  # characters of table to an element: some readers stop at 10 
 UNSEEN = {"metadata", "title", "desc", "defs"}
 
 
-def write(sheet: Sheet, file: IO[bytes]) -> None:
+def write(sheet: Sheet, file: BinaryIO) -> None:
     """The sheet as SVG 1.1 in millimetres: a group a layer, few long paths in whole micrometres, a table of marks."""
     width, height = sheet.size
     drawing = svgwrite.Drawing(size=(f"{width:g}mm", f"{height:g}mm"), viewBox=f"0 0 {width:g} {height:g}", debug=False)
@@ -177,7 +177,8 @@ def _unpacked(about: dict[str, Any], table: bytes) -> Sheet:
                 Glyph(Paths.of([np.frombuffer(take(16 * g["points"]), "<f8")], closed=g["closed"], cubic=g["cubic"]), g["size_mm"])
                 for g in entry["glyphs"]
             )
-            art = Marks(np.stack([x, y], axis=1) / 1000, turns * (2 * np.pi / TURN_STEPS), scale / 1000, glyph, glyphs)
+            places: Array = np.stack([x, y], axis=1) / 1000
+            art = Marks(places, (turns * (2 * np.pi / TURN_STEPS)).astype(np.float64), scale / 1000.0, glyph, glyphs)
         else:
             x, y = (np.cumsum(column(entry["points"])) for _ in range(2))
             start = np.cumsum(column(entry["paths"] + 1))

@@ -149,19 +149,21 @@ def expected_seconds(dots: int, iterations: int) -> float:
     return round(unit * dots / 100_000 * (0.35 * (iterations + 1) + 3) + 1, 1)
 
 
-def planned(tone: Tone, *, pen: float | None, dots: int | None, white: float, white_rule: str, max_dots: int, **_: Any) -> Plan:
-    """How many dots of what diameter the tone takes, before any is placed; other knobs do not matter to it."""
-    low = tone.coverage < white
-    asked = tone.mapped(lambda c: np.where(low, 0.0, c)) if white_rule == "before" else tone
-    low = low | (asked.coverage == 0) if white_rule == "before" else low
+def planned(tone: Tone, *, pen: float | None, dots: int | None, white: float, white_rule: str, max_dots: int) -> Plan:
+    """How many dots of what diameter the tone takes, before any is placed."""
+    blank = tone.coverage < white
+    asked = tone
+    if white_rule == "before":
+        asked = tone.mapped(lambda c: np.where(blank, 0.0, c))
+        blank = blank | (asked.coverage == 0)
+    across = float(np.diff(np.array(shapely.bounds(tone.canvas)).reshape(2, 2), axis=0).min())
     width = PEN if pen is None else pen
+    if pen is not None and pen > across:
+        raise ValueError(f"a pen of {pen:g} mm is wider than the canvas of {across:.4g} mm; use a finer pen")
     if dots is not None and pen is None:  # two rounds: how wide a dot is decides how far around it tone is looked at
         for _ in range(2):
             ink = _demand(asked, width).ink * NOMINAL[-1]
-            width = float(2 * np.sqrt(ink / (np.pi * dots))) if dots and ink else PEN
-    across = np.diff(np.array(shapely.bounds(tone.canvas)).reshape(2, 2), axis=0).min()
-    if width > across and (pen is not None or asked.ink > 0):
-        raise ValueError(f"a dot of {width:.4g} mm is wider than the canvas of {across:.4g} mm; use a finer pen or more dots")
+            width = min(across, 2 * float(np.sqrt(ink / (np.pi * dots)))) if ink else PEN
     demand = _demand(asked, width)
     ink = demand.ink * NOMINAL[-1]
     wanted = round(ink / (np.pi * width**2 / 4)) if dots is None else dots if ink else 0
@@ -170,7 +172,7 @@ def planned(tone: Tone, *, pen: float | None, dots: int | None, white: float, wh
             f"the picture takes {wanted} dots of {width:g} mm, over the limit of {max_dots}; "
             "draw it smaller, use a wider pen, or raise max-dots"
         )
-    return Plan(asked, demand, low, width, wanted)
+    return Plan(asked, demand, blank, width, wanted)
 
 
 def _demand(asked: Tone, pen: float) -> Tone:

@@ -1,0 +1,106 @@
+"""What drawing costs, in D: the time of scipy.spatial.Delaunay on 100 000 uniform random sites in the same run.
+
+Machines differ and so do their hours; the ratio travels. Everything is seeded, what is timed is named, nothing is
+asserted. `python bench/bench.py quick` leaves out the two whole plates.
+"""
+
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+from scipy.spatial import Delaunay
+
+from crowquill import cells, hilbert, moments
+from crowquill.tone import Tone
+
+SITES = 100_000
+
+
+def seconds(work: Callable[[], Any], times: int = 5) -> tuple[float, float, float]:
+    """Least, mean and spread of the time of a call, warmed by one."""
+    work()
+    taken = []
+    for _ in range(times):
+        began = time.perf_counter()
+        work()
+        taken.append(time.perf_counter() - began)
+    return min(taken), float(np.mean(taken)), float(np.std(taken))
+
+
+def row(what: str, taken: tuple[float, float, float], unit: float, bar: str = "") -> None:
+    least, mean, spread = taken
+    print(f"{what:<66} {least:8.3f} s  {mean:8.3f} +- {spread:.3f}  {least / unit:7.2f} D  {bar}", flush=True)
+
+
+def shaded(side: int) -> np.ndarray:
+    """A picture of side x side pixels with every tone from .05 to .75 and no two rows alike."""
+    y, x = np.mgrid[0:side, 0:side] / side
+    return 0.4 + 0.35 * np.sin(9 * x + 4 * y * y) * np.cos(7 * y)
+
+
+def iteration(sites: np.ndarray, canvas: shapely.Geometry, tone: Tone) -> moments.Moments:
+    return moments.of_tone(cells.voronoi(sites, canvas), tone)
+
+
+def process(*command: str, folder: str, fresh: bool) -> tuple[float, float]:
+    """Seconds and the greatest memory in MB of a command; fresh: with an empty cache of compiled code."""
+    cache = {"NUMBA_CACHE_DIR": folder} if fresh else {}
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+    began = time.perf_counter()
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env={**os.environ, **cache})
+    return time.perf_counter() - began, max(before, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss) / 1024
+
+
+def main(quick: bool) -> None:
+    rng = np.random.default_rng(0)
+    sites = rng.random((SITES, 2)) * 100
+    unit = seconds(lambda: Delaunay(sites), 3)
+    row(f"D: scipy Delaunay, {SITES} uniform sites", unit, unit[0])
+    d = unit[0]
+    canvas = shapely.box(0, 0, 100, 100)
+    small, large = (Tone(shaded(side), (100, 100)) for side in (1000, 4000))
+    assert small.prefix.size and large.prefix.size  # made once for a drawing, outside the loop
+    sites = sites[hilbert.of_points(sites)]
+    partition = cells.voronoi(sites, canvas)
+    row("cells.voronoi", seconds(lambda: cells.voronoi(sites, canvas)), d)
+    row("moments.of_tone, 1 Mpx", seconds(lambda: moments.of_tone(partition, small)), d)
+    one = seconds(lambda: iteration(sites, canvas, small))
+    many = seconds(lambda: iteration(sites, canvas, large))
+    row(f"one exact weighted iteration, {SITES} sites, 1 Mpx", one, d, "bar 0.35 D")
+    row(f"one exact weighted iteration, {SITES} sites, 16 Mpx", many, d, f"{many[0] / one[0]:.2f} times 1 Mpx; bar 2.5")
+    program = str(Path(sys.executable).parent / "crowquill")
+    bare = seconds(lambda: subprocess.run([sys.executable, "-c", "import numpy"], check=True))
+    told = seconds(lambda: subprocess.run([program, "--help"], check=True, stdout=subprocess.DEVNULL))
+    row("python -c 'import numpy'", bare, d)
+    row("crowquill --help", told, d, f"{told[0] / bare[0]:.2f} times import numpy; bar 2")
+    if not quick:
+        plates(d, program)
+
+
+def plates(d: float, program: str) -> None:
+    """Two whole drawings from picture to PDF and SVG: a warm one of 300 000 dots, and the first ever on a machine."""
+    from PIL import Image
+
+    with tempfile.TemporaryDirectory() as folder:
+        picture, out = f"{folder}/shaded.png", [f"{folder}/plate.pdf", f"{folder}/plate.svg"]
+        Image.fromarray((255 * (1 - shaded(1600))).astype(np.uint8)).save(picture)
+        a4 = ("--fit", "stretch", "--margin", "10mm", "--tone", "grey", "--quiet", "--report", f"{folder}/report.json")
+        taken, memory = process(program, "stipple", picture, *out, *a4, folder=folder, fresh=False)
+        marks = int(Path(f"{folder}/report.json").read_text().split('"marks": ')[1].split(",")[0])
+        row(f"A4 plate, 0.3 mm pen, {marks} dots, 30 iterations, PDF and SVG, warm", (taken, taken, 0.0), d, "bar 60 D")
+        print(f"{'':<66} {memory:8.0f} MB, bar 1500")
+        specimen = str(Path(__file__).parent.parent / "gallery" / "specimen.png")
+        taken, _ = process(program, "stipple", specimen, *out, "--quiet", folder=f"{folder}/cache", fresh=True)
+        row("first drawing ever: the specimen's plate, compiling all", (taken, taken, 0.0), d, "bar 60 D")
+
+
+if __name__ == "__main__":
+    main("quick" in sys.argv[1:])
