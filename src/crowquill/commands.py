@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, BinaryIO
 
 import typer
 
-from crowquill import formats, styles
-from crowquill.units import length, paper
+from crowquill import styles, units
 
 if TYPE_CHECKING:
     from crowquill.sheet import Sheet, Step
@@ -46,7 +45,11 @@ def application(arguments: list[str]) -> int:
     except typer.Exit as stop:
         code = stop.exit_code
     except typer.TyperException as error:
-        return refused(error.format_message() if hasattr(error, "format_message") else str(error))
+        message = error.format_message() if hasattr(error, "format_message") else str(error)
+        if not message:  # no arguments: the help has been shown
+            return REFUSED
+        message = message.rstrip(".").replace(". Did you mean", "; did you mean")
+        return refused(message if "; " in message else f"{message}; --help shows what there is")
     return code if isinstance(code, int) else 0
 
 
@@ -93,7 +96,7 @@ def _application(chosen: str | None) -> typer.Typer:
 
 def _length(text: str) -> float:
     try:
-        return length(text)
+        return units.length(text)
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
 
@@ -112,6 +115,10 @@ def _option(help: str, panel: str, **more: Any) -> Any:
     return typer.Option(help=help, rich_help_panel=panel, **more)
 
 
+def _flag(name: str, help: str, panel: str) -> Any:
+    return typer.Option(name, help=help, rich_help_panel=panel)
+
+
 def _mm(help: str, panel: str) -> Any:
     return _option(help, panel, parser=_length, metavar="LENGTH")
 
@@ -120,8 +127,8 @@ PAPER, TONE, RUN = "Paper and size", "Tone", "Running"
 
 
 def _shared(
-    picture: Annotated[Path, typer.Argument(help="The picture: PNG, JPEG, TIFF, WebP, GIF, BMP.", show_default=False)],
-    out: Annotated[list[Path], typer.Argument(help="Files to write, by suffix: .svg, .pdf.", show_default=False)],
+    picture: Annotated[Path, typer.Argument(help="The picture: PNG, JPEG, TIFF, WebP, GIF, BMP.", show_default=False, metavar="PICTURE")],
+    out: Annotated[list[Path], typer.Argument(help="Files to write, by suffix: .svg, .pdf.", show_default=False, metavar="OUT")],
     *,
     paper: Annotated[str, _option("a4, a5, letter, or a size such as 120x80mm.", PAPER)] = "a4",
     orientation: Annotated[str, _option("auto, portrait or landscape.", PAPER)] = "auto",
@@ -129,23 +136,23 @@ def _shared(
     width: Annotated[float | None, _mm("Width of the drawing; all the room when left out.", PAPER)] = None,
     height: Annotated[float | None, _mm("Height of the drawing.", PAPER)] = None,
     fit: Annotated[str, _option("contain, cover or stretch, when both sides are known.", PAPER)] = "contain",
-    canvas: Annotated[Path | None, _option("SVG outline to draw in, its page laid over the picture.", PAPER)] = None,
-    check_bar: Annotated[bool, _option("Draw a 10 mm bar in the margin.", PAPER)] = False,
+    canvas: Annotated[Path | None, _option("SVG outline to draw in, its page laid over the picture.", PAPER, metavar="FILE")] = None,
+    check_bar: Annotated[bool, _flag("--check-bar", "Draw a 10 mm bar in the margin.", PAPER)] = False,
     tone: Annotated[str, _option("auto: suits the pen; linear: physically exact; grey: by code value.", TONE)] = "auto",
     gamma: Annotated[float, _option("Power of coverage; above 1 opens shadows.", TONE)] = 1.0,
     black_point: Annotated[float | None, _option("Code value, 0 to 1, that is full ink.", TONE)] = None,
     white_point: Annotated[float | None, _option("Code value, 0 to 1, that is white paper.", TONE)] = None,
-    invert: Annotated[bool, _option("Swap light and dark.", TONE)] = False,
+    invert: Annotated[bool, _flag("--invert", "Swap light and dark.", TONE)] = False,
     crop: Annotated[
         tuple[float, float, float, float] | None, _option("left,top,width,height, shares of 1.", TONE, parser=_crop, metavar="L,T,W,H")
     ] = None,
     local_contrast: Annotated[float, _option("0 to 1, stress on detail.", TONE)] = 0.0,
     max_pixels: Annotated[int, _option("Refuse larger pictures.", TONE)] = 200_000_000,
     seed: Annotated[int, _option("Same seed, same drawing.", RUN, min=0)] = 0,
-    report: Annotated[Path | None, _option("Write what came of it as JSON; - prints it.", RUN)] = None,
-    quiet: Annotated[bool, _option("No progress and no summary.", RUN)] = False,
+    report: Annotated[Path | None, _option("Write what came of it as JSON; - prints it.", RUN, metavar="FILE")] = None,
+    quiet: Annotated[bool, _flag("--quiet", "No progress and no summary.", RUN)] = False,
     overwrite: Annotated[bool, _option("Replace files that are there.", RUN)] = True,
-    dry_run: Annotated[bool, _option("Say size, dots and time, and write nothing.", RUN)] = False,
+    dry_run: Annotated[bool, _flag("--dry-run", "Say size, dots and time, and write nothing.", RUN)] = False,
 ) -> None:
     """Only its signature is used: the options of every style."""
 
@@ -203,6 +210,8 @@ def _drawn(
     **options: Any,
 ) -> int:
     """One drawing from picture to files."""
+    from crowquill import formats
+
     began = time.perf_counter()
     printed = report is not None and str(report) == "-"
     files = [*out, *([report] if report and not printed else [])]
@@ -253,7 +262,7 @@ def _laid_out(
     from crowquill.tone import Tone
     from crowquill.vector import canvas as outline
 
-    size = _paper(paper)
+    size = units.paper(paper)
     if margin < 0:
         raise ValueError(f"margin is {margin:g} mm; it takes 0 or more")
     tone = Tone.load(picture, **light)
@@ -271,10 +280,6 @@ def _laid_out(
     if canvas is not None:
         tone = replace(tone, canvas=outline(canvas.read_bytes(), str(canvas), tone.size))
     return size, tone
-
-
-def _paper(text: str) -> tuple[float, float]:
-    return paper(text)
 
 
 def _with_bar(sheet: Sheet, margin: float) -> Sheet:

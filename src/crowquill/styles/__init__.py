@@ -17,12 +17,11 @@ from importlib.metadata import entry_points, version
 from pathlib import Path
 from typing import Any
 
-from crowquill.sheet import Sheet, Step
-
 if typing.TYPE_CHECKING:
+    from crowquill.sheet import Sheet, Step
     from crowquill.tone import Tone
 
-Work = Generator[Step, None, Sheet]
+Work = Generator["Step", None, "Sheet"]
 
 
 @dataclass(frozen=True)
