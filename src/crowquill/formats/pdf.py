@@ -54,7 +54,7 @@ def _colour(ink: Ink) -> str:
 def _finished(drawn: io.BytesIO, file: BinaryIO, width: float, height: float) -> None:
     """The library's file with exact boxes, a file ID, no unused font and no empty transition."""
     drawn.seek(0)
-    pikepdf.settings.set_flate_compression_level(9)
+    pikepdf.settings.set_flate_compression_level(4)  # 9 takes four times as long for 5 % less
     with pikepdf.open(drawn) as pdf:
         page = pdf.pages[0]
         box = [Decimal(0), Decimal(0), round(Decimal(width), 9), round(Decimal(height), 9)]

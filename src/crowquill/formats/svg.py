@@ -89,7 +89,7 @@ def _metadata(about: dict[str, Any], table: bytes) -> ElementTree.Element:
     metadata = ElementTree.Element("metadata")
     drawing = ElementTree.SubElement(metadata, "drawing", {"xmlns": SPACE})
     drawing.text = json.dumps(about, sort_keys=True, ensure_ascii=False)
-    text = base64.b64encode(zlib.compress(table, 9)).decode("ascii")
+    text = base64.b64encode(zlib.compress(table, 6)).decode("ascii")
     for at in range(0, len(text), PIECE):
         ElementTree.SubElement(metadata, "table", {"xmlns": SPACE}).text = text[at : at + PIECE]
     return metadata

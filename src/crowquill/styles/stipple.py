@@ -212,11 +212,10 @@ def _allowed(sites: Array, tone: Tone, white: npt.NDArray[np.bool_]) -> npt.NDAr
 
 def _marks(sites: Array, glyphs: tuple[Any, ...], pen: float, rng: np.random.Generator) -> Marks:
     """A glyph at each site, turned at random; true diameters keep their spread about the pen's width."""
-    sizes = np.array([glyph.size for glyph in glyphs])
-    scale = pen * np.sqrt(np.pi) / 2 * sizes / np.sqrt((sizes**2).mean())
-    glyph = rng.integers(len(glyphs), size=len(sites))
-    angle = rng.uniform(0, 2 * np.pi, len(sites))
-    return Marks.of(sites, glyphs, scale=scale[glyph], angle=angle, glyph=glyph)
+    glyph = rng.permutation(np.arange(len(sites)) % len(glyphs))  # each as often as any other
+    sizes = np.array([glyph.size for glyph in glyphs])[glyph]
+    scale = pen * np.sqrt(np.pi) / 2 * sizes / np.sqrt((sizes**2).mean()) if len(sites) else sizes
+    return Marks.of(sites, glyphs, scale=scale, angle=rng.uniform(0, 2 * np.pi, len(sites)), glyph=glyph)
 
 
 def _apart(marks: Marks, gap: float) -> npt.NDArray[np.bool_]:
