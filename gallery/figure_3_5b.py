@@ -1,4 +1,4 @@
-"""How 120 random points move in 20 steps of Lloyd's relaxation: from ring to dot, between the cells they end in.
+"""How the points of figure 3.5a move in 20 steps of Lloyd's relaxation: from ring to dot, each into its last cell.
 
 Size on paper: 90 x 90 mm, the frame 80 mm square.
 Source: S. Lloyd, Least Squares Quantization in PCM, IEEE Transactions on Information Theory 28(2), 1982.
@@ -15,17 +15,20 @@ from crowquill.glyphs import load
 
 def make() -> Sheet:
     paper = Tone(np.ones((1, 1)), (80, 80))
-    sites = scatter(paper, 120, np.random.default_rng(5), "random")
-    states = list(islice(lloyd(sites, paper, step=1, exponent=0), 21))
-    tracks = np.stack([state.sites for state in states], axis=1)  # (120, 21, 2)
+    first = scatter(paper, 100, np.random.default_rng(1780), "random")
+    states = list(islice(lloyd(first, paper, step=1, exponent=0), 21))  # the first is before any step
+    tracks = np.stack([state.sites for state in states], axis=1)  # (100, 21, 2)
 
     frame = Paths.of([[(0, 0), (80, 0), (80, 80), (0, 80)]])
-    disc, area = load("disc").glyphs, np.pi / 4  # of a disc 1 mm wide
+    disc, mm = load("disc").glyphs, np.sqrt(np.pi / 4)  # the scale of a disc 1 mm wide: its area's root
+    starts, ends = Marks.of(tracks[:, 0], disc, scale=0.8 * mm), Marks.of(tracks[:, -1], disc, scale=1.1 * mm)
     layers = (
-        Layer(Ink(pen=0.12), states[-1].cells.rings, "cells"),
+        Layer(Ink(pen=0.1), states[-1].cells.rings, "cells"),
         Layer(Ink(pen=0.4), frame, "frame"),
-        Layer(Ink(pen=0.3), Paths.of(tracks, closed=False), "tracks"),
-        Layer(Ink(), Marks.of(tracks[:, -1], disc, scale=1.1 * area**0.5), "end"),
+        Layer(Ink(pen=0.25), Paths.of(tracks, closed=False), "tracks"),
+        Layer(Ink("white", (0, 0, 0, 0)), starts, "inside of the rings"),
+        Layer(Ink(pen=0.18), starts, "rings"),
+        Layer(Ink(), ends, "sites"),
     )
     return Sheet((80, 80), layers).on((90, 90), margin=5)
 

@@ -65,8 +65,8 @@ class Glyph:
 
     @property
     def reach(self) -> float:
-        """The greatest distance of the outline's points from its centroid; controls count, so never too small."""
-        return float(np.hypot(*self.paths.xy.T).max())
+        """The greatest distance of the outline from its centroid, a thousandth of the mark's scale too large at most."""
+        return float(np.hypot(*self.paths.flat(1e-3).xy.T).max()) + 1e-3
 
 
 @dataclass(frozen=True, eq=False)
