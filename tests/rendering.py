@@ -74,9 +74,7 @@ def run(tool: str, arguments: Sequence[str], files: dict[str, bytes], gives: str
 def resvg(svg: bytes, window: Window, px: float) -> Array:
     import resvg_py
 
-    png = resvg_py.svg_to_bytes(
-        svg_string=cropped(svg, window), dpi=25.4 * px, background="#ffffff", skip_system_fonts=True
-    )
+    png = resvg_py.svg_to_bytes(svg_string=cropped(svg, window), dpi=25.4 * px, background="#ffffff", skip_system_fonts=True)
     return _ink(bytes(png), window, px)
 
 

@@ -14,10 +14,9 @@ TRIANGLE = [(5, 5), (6, 5), (5, 6)]
 KAPPA = 4 / 3 * (np.sqrt(2) - 1)  # a quarter circle as one cubic
 QUARTER = np.array([(1, 0), (1, KAPPA), (KAPPA, 1)])
 CIRCLE = np.concatenate([QUARTER @ np.array([[c, s], [-s, c]]) for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))])
-# The integral of x dy over one such quarter is 0.5 - 0.1 * (3 k^2 - 12 k) - ..., by hand in the test below
 coordinate = st.floats(-1e6, 1e6).map(lambda x: round(x, 3))
 ragged = st.lists(st.lists(st.tuples(coordinate, coordinate), max_size=7), max_size=6)
-found = settings(max_examples=80, deadline=None, derandomize=True)
+found = settings(max_examples=80)
 
 
 def star(rng: np.random.Generator, corners: int) -> np.ndarray:
@@ -141,12 +140,12 @@ def test_a_point_moves_alike_whatever_travels_with_it() -> None:
 
 def test_four_cubics_make_a_circle_within_their_known_error() -> None:
     circle = Paths.of([CIRCLE], cubic=True)
-    # int (x dy - y dx) / 2 along the cubic from (1, 0) over (1, k) and (k, 1) to (0, 1)
-    by_hand = 4 * (0.5 + (12 * KAPPA - 3 * KAPPA**2 - 10) / 20 + 0.0)
+    by_hand = 4 * (10 + 12 * KAPPA - 3 * KAPPA**2) / 20  # (x dy - y dx) / 2 along (1, 0), (1, k), (k, 1), (0, 1)
     assert circle.areas[0] == pytest.approx(by_hand, rel=1e-14)  # Gauss is exact: rounding only
-    assert circle.areas[0] == pytest.approx(np.pi, rel=2.8e-4)  # radial error of this cubic: up to 2.7e-4, always outwards
+    assert circle.areas[0] == pytest.approx(np.pi, rel=5.5e-4)  # radial error of this cubic: up to 2.7e-4, outwards
     assert circle.areas[0] > np.pi
-    assert Paths.of([CIRCLE[::-1]], cubic=False).areas[0] < 0
+    back = Paths.of([np.roll(CIRCLE[::-1], 1, axis=0)], cubic=True)
+    assert back.areas[0] == pytest.approx(-by_hand, rel=1e-14)
 
 
 @pytest.mark.parametrize("closed", [True, False])
@@ -210,8 +209,8 @@ def test_holes_turn_the_other_way_and_know_their_polygon() -> None:
         rings, polygon = Paths.of_polygons(polygons)
         check_paths(rings)
         assert polygon.tolist() == [0, 0, 0, 1, 1]
-        assert rings.areas.tolist() == [16, *sorted([-1, -0.25], key=lambda a: rings.areas.tolist().index(a)), 1, 2]
-        assert sorted(rings.areas.tolist()) == [-1, -0.25, 1, 2, 16]
+        first, *holes = rings.areas[:3].tolist()
+        assert first == 16 and sorted(holes) == [-1, -0.25] and rings.areas[3:].tolist() == [1, 2]
 
 
 def test_empty_polygons_have_no_rings_and_shift_nobodys_index() -> None:

@@ -60,7 +60,7 @@ class Cells:
 
     @cached_property
     def pairs(self) -> Index:
-        """Sites i < j whose cells meet along an edge inside the canvas, (e, 2), sorted."""
+        """Sites i < j between whose cells an edge runs on the canvas, before parts are handed over: (e, 2), sorted."""
         if self.net is None:
             return np.zeros((0, 2), np.int64)
         sites, edges = self.net.edges
@@ -89,10 +89,12 @@ def voronoi(sites: npt.ArrayLike, canvas: shapely.Geometry) -> Cells:
     points, vertices, neighbours, unique = _triangles(sites, canvas)
     centres = np.empty((len(vertices), 2))
     _circumcentres(points, vertices, centres)
+    _gathered(points, vertices, neighbours, centres)
     start = np.zeros(len(unique) + 1, np.int64)
     ring = np.empty(3 * len(vertices), np.int64)
     _fans(vertices, neighbours, len(unique), start, ring)
     xy = centres[ring[: start[-1]]]
+    xy = xy[: _distinct(xy, start)]
     return _clipped(sites, Net(vertices, neighbours, unique, centres), Paths(xy, start), canvas)
 
 
@@ -133,12 +135,22 @@ def _delaunay(points: Array) -> Any:
 
 @compiled
 def _circumcentres(points: Array, vertices: Any, centres: Array) -> None:
-    """The centre of each triangle's circle, about its first corner; triangles with a dummy get 0."""
+    """The centre of each triangle's circle; triangles with a dummy get 0.
+
+    Reckoned from an end of the shortest side: two close corners differ exactly in floats, and
+    a third far off would swamp that difference.
+    """
     for t in range(len(vertices)):
-        a, b, c = vertices[t, 0], vertices[t, 1], vertices[t, 2]
         centres[t, 0] = centres[t, 1] = 0.0
-        if a < SUPER or b < SUPER or c < SUPER:
+        if min(vertices[t, 0], vertices[t, 1], vertices[t, 2]) < SUPER:
             continue
+        near, least = 0, np.inf
+        for k in range(3):
+            p, q = vertices[t, k], vertices[t, (k + 1) % 3]
+            side = (points[q, 0] - points[p, 0]) ** 2 + (points[q, 1] - points[p, 1]) ** 2
+            if side < least:
+                near, least = k, side
+        a, b, c = vertices[t, near], vertices[t, (near + 1) % 3], vertices[t, (near + 2) % 3]
         x, y = points[a, 0], points[a, 1]
         bx, by, cx, cy = points[b, 0] - x, points[b, 1] - y, points[c, 0] - x, points[c, 1] - y
         twice = 2 * (bx * cy - by * cx)
@@ -147,6 +159,24 @@ def _circumcentres(points: Array, vertices: Any, centres: Array) -> None:
             continue
         bb, cc = bx * bx + by * by, cx * cx + cy * cy
         centres[t, 0], centres[t, 1] = x + (cy * bb - by * cc) / twice, y + (bx * cc - cx * bb) / twice
+
+
+@compiled
+def _gathered(points: Array, vertices: Any, neighbours: Any, centres: Array) -> None:
+    """Makes one of centres that differ by rounding alone, as those of neighbours whose corners lie on one circle."""
+    for t in range(len(vertices)):
+        if min(vertices[t, 0], vertices[t, 1], vertices[t, 2]) < SUPER:
+            continue
+        for k in range(3):
+            u = neighbours[t, k]
+            if u >= len(vertices) or min(vertices[u, 0], vertices[u, 1], vertices[u, 2]) < SUPER:
+                continue
+            corner, x, y = vertices[t, 0], centres[t, 0], centres[t, 1]
+            radius = abs(x - points[corner, 0]) + abs(y - points[corner, 1])
+            # a centre is good to some last digits of its radius, and of its coordinates about a far origin
+            least = 1e-13 * radius + 1e-15 * (abs(x) + abs(y))
+            if abs(centres[u, 0] - x) + abs(centres[u, 1] - y) < least:
+                centres[u, 0], centres[u, 1] = x, y
 
 
 @compiled
@@ -174,6 +204,21 @@ def _fans(vertices: Any, neighbours: Any, n: int, start: Index, ring: Index) -> 
 
 
 @compiled
+def _distinct(xy: Array, start: Index) -> int:
+    """Closes up over corners that repeat the one before them, as where four sites lie on a circle; returns how many are left."""
+    kept, begin = 0, start[0]
+    for ring in range(len(start) - 1):
+        end, first = start[ring + 1], kept
+        for k in range(begin, end):
+            before = k - 1 if k > begin else end - 1
+            if xy[k, 0] != xy[before, 0] or xy[k, 1] != xy[before, 1]:
+                xy[kept, 0], xy[kept, 1] = xy[k, 0], xy[k, 1]
+                kept += 1
+        begin, start[ring], start[ring + 1] = end, first, kept
+    return kept
+
+
+@compiled
 def _joined(vertices: Any, neighbours: Any, n: int, edges: Index) -> int:
     """Rows (site, site, triangle, triangle) of the edges between two of n sites; returns how many."""
     count = 0
@@ -190,7 +235,7 @@ def _joined(vertices: Any, neighbours: Any, n: int, edges: Index) -> int:
 def _clipped(sites: Array, net: Net, rings: Paths, canvas: shapely.Geometry) -> Cells:
     """The cells on the canvas: only those that its outline may cut are handed to shapely."""
     unique = net.unique
-    cut = np.flatnonzero(_may_be_cut(rings, canvas, len(unique)))
+    cut = np.flatnonzero(_may_be_cut(rings, canvas, sites[unique]))
     polygons = rings.take(cut).polygons()
     sound = shapely.is_valid(polygons)
     polygons[~sound] = shapely.convex_hull(polygons[~sound])  # a cell is convex: only rounding can have crossed it
@@ -208,8 +253,13 @@ def _clipped(sites: Array, net: Net, rings: Paths, canvas: shapely.Geometry) -> 
     return Cells(sites, every.take(source), unique[owner[order]], canvas, net)
 
 
-def _may_be_cut(rings: Paths, canvas: shapely.Geometry, n: int) -> npt.NDArray[np.bool_]:
-    """Whether each cell's box touches a square of a grid, half a spacing wide, that the canvas's outline touches."""
+def _may_be_cut(rings: Paths, canvas: shapely.Geometry, sites: Array) -> npt.NDArray[np.bool_]:
+    """Whether a cell may not lie in the canvas whole.
+
+    Either its box touches a square of a grid, half a spacing wide, that the canvas's outline touches, or its site
+    lies outside, and all of the cell with it.
+    """
+    n = len(sites)
     low, high = np.array(shapely.bounds(canvas)).reshape(2, 2)
     spacing = np.sqrt(np.prod(high - low) / n)
     grid = np.maximum(1, np.ceil(2 * (high - low) / spacing)).astype(np.int64)
@@ -222,7 +272,11 @@ def _may_be_cut(rings: Paths, canvas: shapely.Geometry, n: int) -> npt.NDArray[n
     left, top = np.clip(np.floor((lower - low) / step), 0, grid - 1).astype(np.int64).T
     right, bottom = np.clip(np.floor((upper - low) / step), 0, grid - 1).astype(np.int64).T + 1
     inside = sums[bottom, right] - sums[top, right] - sums[bottom, left] + sums[top, left]
-    return np.asarray(inside > 0) | (lower < low).any(axis=1) | (upper > high).any(axis=1)
+    cut = np.asarray(inside > 0) | (lower < low).any(axis=1) | (upper > high).any(axis=1)
+    if shapely.area(canvas) < np.prod(high - low):
+        shapely.prepare(canvas)
+        cut |= ~shapely.contains_xy(canvas, sites)
+    return cut
 
 
 @compiled
@@ -236,61 +290,41 @@ def _boxes(xy: Array, start: Index, lower: Array, upper: Array) -> None:
             lower[ring, axis], upper[ring, axis] = low, high
 
 
-def _handed_over(
-    pieces: npt.NDArray[np.object_],
-    cell: Index,
-    sites: Array,
-    rings: Paths,
-    cut: Index,
-    net: Net,
-) -> Index:
-    """The owner of each piece: the part nearest its site stays, the others go to the nearest site whose cell they touch.
+def _handed_over(pieces: npt.NDArray[np.object_], cell: Index, sites: Array, rings: Paths, cut: Index, net: Net) -> Index:
+    """The owner of each piece: of each cell the one nearest its site stays, the rest go to the nearest site of those they touch.
 
-    Rounds, so that a part behind a part finds its way; what touches nothing kept stays with its own site.
+    A piece may touch one that has itself been handed over: rounds are made until nothing changes, all of a round at
+    once, so that the order of sites does not matter. What touches nothing stays with its own site.
     """
-    points = shapely.points(sites)
-    gap = shapely.distance(pieces, points[cell])
     kept = np.zeros(len(pieces), bool)
-    nearest = np.lexsort((-shapely.area(pieces), gap, cell))
+    points = shapely.points(sites)
+    nearest = np.lexsort((-shapely.area(pieces), shapely.distance(pieces, points[cell]), cell))
     kept[nearest[np.flatnonzero(np.diff(cell[nearest], prepend=-1))]] = True
-    owner, tolerance = cell.copy(), NEAR * _reach(sites, shapely.union_all(pieces[:1]))[1]
+    waiting = np.flatnonzero(~kept)
     beside = _neighbours(np.searchsorted(net.unique, net.edges[0]), len(sites))
-    shapes = {int(c): piece for c, piece in zip(cell[kept], pieces[kept], strict=True)}
-    uncut = np.ones(len(sites), bool)
-    uncut[cut] = False
-    waiting = list(np.flatnonzero(~kept))
-    home: dict[int, list[tuple[int, shapely.Geometry]]] = {}
-    while waiting:
-        left = []
-        for k in waiting:
-            touching = [
-                (shapely.distance(points[o], pieces[k]), o)
-                for j in (*beside[cell[k]], cell[k])
-                for o, shape in _parts_of(int(j), shapes, home, uncut, rings)
-                if o != cell[k] and shapely.dwithin(shape, pieces[k], tolerance)
-            ]
-            if touching:
-                owner[k] = min(touching)[1]
-                home.setdefault(int(cell[k]), []).append((int(owner[k]), pieces[k]))
-            else:
-                left.append(k)
-        if len(left) == len(waiting):
+    around = np.setdiff1d(np.concatenate([beside[i] for i in cell[waiting]]), cut)  # whole cells may be touched too
+    shapes = np.concatenate([pieces, rings.take(around).polygons()])
+    of, own = np.concatenate([cell, around]), np.concatenate([kept, np.ones(len(around), bool)])
+    owner = np.where(own, of, -1)
+    low, high = shapely.bounds(shapes).reshape(-1, 2, 2).transpose(1, 0, 2)
+    tolerance = NEAR * float((high.max(axis=0) - low.min(axis=0)).max())
+    members: dict[int, list[int]] = {}
+    for k, i in enumerate(of.tolist()):
+        members.setdefault(i, []).append(k)
+    while len(waiting):
+        found = {}
+        for k in waiting.tolist():
+            others = [m for i in (*beside[of[k]], of[k]) for m in members.get(int(i), []) if owner[m] >= 0]
+            others = [m for m in others if not (own[m] and of[m] == of[k])]  # what it was cut off from
+            touched = [m for m, near in zip(others, shapely.dwithin(shapes[others], shapes[k], tolerance), strict=True) if near]
+            if touched:
+                found[k] = min((shapely.distance(points[owner[m]], shapes[k]), int(owner[m])) for m in touched)[1]
+        if not found:
             break
-        waiting = left
-    return owner
-
-
-def _parts_of(
-    j: int,
-    shapes: dict[int, shapely.Geometry],
-    home: dict[int, list[tuple[int, shapely.Geometry]]],
-    uncut: npt.NDArray[np.bool_],
-    rings: Paths,
-) -> list[tuple[int, shapely.Geometry]]:
-    """The settled pieces of what was cell j, each with its owner."""
-    if uncut[j] and j not in shapes:
-        shapes[j] = rings.take([j]).polygons()[0]
-    return ([(j, shapes[j])] if j in shapes else []) + home.get(j, [])
+        owner[list(found)] = list(found.values())
+        waiting = np.setdiff1d(waiting, list(found))
+    owner[waiting] = of[waiting]
+    return owner[: len(pieces)]
 
 
 def _neighbours(pairs: Index, n: int) -> list[Index]:

@@ -21,7 +21,7 @@ def rendered(marks: Marks, size: tuple[float, float], grid: tuple[int, int], *, 
     """
     h, w = grid
     cover = np.zeros((h, w))
-    if not len(marks):
+    if not (marks.scale > 0).any():
         return cover
     step = marks.scale.mean() / SAMPLES if pitch is None else pitch
     across = np.maximum(1, np.ceil(np.array([size[0] / w, size[1] / h]) / step)).astype(np.int64)
@@ -42,7 +42,7 @@ def rendered(marks: Marks, size: tuple[float, float], grid: tuple[int, int], *, 
 
 def ink(marks: Marks) -> float:
     """The area of paper that the marks cover together, mm^2, within about 1e-4."""
-    if not len(marks):
+    if not (marks.scale > 0).any():
         return 0.0
     edge = max(glyph.reach for glyph in marks.glyphs) * float(marks.scale.max())
     low, high = marks.xy.min(axis=0) - edge, marks.xy.max(axis=0) + edge

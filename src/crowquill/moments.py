@@ -12,6 +12,7 @@ from crowquill.kernel import compiled, shared_out
 from crowquill.paths import Array, Index, Paths, frozen
 from crowquill.tone import BLOCK, Tone
 
+NOTHING = 1e-14  # of the sum of absolute parts: a mass below is rounding, and the cell is without ink
 GAUSS = 0.5 / np.sqrt(3.0)  # two points at 1/2 -+ this are exact to degree 3, all that is met here
 
 
@@ -73,16 +74,20 @@ def of_tone(cells: Cells, tone: Tone) -> Moments:
     """
     dx, dy = tone.pixel
     n = len(cells.sites)
-    sums, about = np.zeros((n, 6)), np.zeros((n, 2))
+    sums, about = np.zeros((n, 7)), np.zeros((n, 2))
     xy = cells.rings.xy / (dx, dy)
     shared_out(lambda lo, hi: _edges(tone.prefix, xy, cells.rings.start, cells.first, sums, about, lo, hi), n)
-    sums *= dx * dy * np.array([1, dx, dy, dx * dx, dx * dy, dy * dy])
+    sums[np.abs(sums[:, 0]) < NOTHING * sums[:, 6]] = 0
+    sums = sums[:, :6] * dx * dy * np.array([1, dx, dy, dx * dx, dx * dy, dy * dy])
     return Moments.of(sums, about * (dx, dy), cells.sites)
 
 
 @compiled
 def _edges(prefix: Array, xy: Array, start: Index, first: Index, sums: Array, about: Array, lo: int, hi: int) -> None:
-    """Sums (n, 6) of sites lo to hi, in pixels about the corner of the first pixel of their cells, put in `about`."""
+    """Sums of sites lo to hi, in pixels about the corner of the first pixel of their cells, put in `about`.
+
+    Six integrals each, and the sum of the absolute parts of the first.
+    """
     for site in range(lo, hi):
         begin, end = start[first[site]], start[first[site + 1]]
         if begin == end:
@@ -102,7 +107,7 @@ def _edges(prefix: Array, xy: Array, start: Index, first: Index, sums: Array, ab
 
 @compiled
 def _edge(prefix: Array, left: int, top: int, x0: float, y0: float, x1: float, y1: float, out: Array) -> None:
-    """Adds one edge's part of the six sums, pixel by pixel along it."""
+    """Adds one edge's part of the sums, pixel by pixel along it."""
     dx, dy = x1 - x0, y1 - y0
     if dy == 0:
         return  # along a row there is nothing to integrate
@@ -161,6 +166,7 @@ def _piece(prefix: Array, left: int, top: int, i: int, j: int, x0: float, y0: fl
         r1 = a1 + rho * (x * x - edge * edge) / 2
         r2 = a2 + rho * (x * x * x - edge * edge * edge) / 3
         out[0] += dy * r0
+        out[6] += abs(dy * r0)
         out[1] += dy * r1
         out[2] += dy * r0 * y
         out[3] += dy * r2

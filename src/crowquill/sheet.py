@@ -49,7 +49,8 @@ class Glyph:
         Raises ValueError for an outline without area.
         """
         m = outline.green().sum(axis=0) if len(outline) == 1 and outline.closed else np.zeros(6)
-        if not abs(m[0]) > 0:
+        extent = np.ptp(outline.xy, axis=0).max(initial=0.0)
+        if not abs(m[0]) > 1e-12 * extent**2:  # a line's area is rounding
             raise ValueError("a glyph takes one closed outline with an area over 0")
         x, y = m[1:3] / m[0]
         xx, xy, yy = m[3] / m[0] - x * x, m[4] / m[0] - x * y, m[5] / m[0] - y * y
@@ -209,6 +210,8 @@ class Sheet:
         orientation is auto (turned to suit the drawing), portrait or landscape. Raises
         ValueError where the drawing does not fit inside the margin.
         """
+        if not 0 <= margin < np.inf:
+            raise ValueError(f"margin is {margin} mm; it takes a length of 0 or more")
         size = turned(paper(page) if isinstance(page, str) else page, self.size, orientation)
         (width, height), room = self.size, [side - 2 * margin for side in size]
         if width > room[0] + UM or height > room[1] + UM:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import stat
-import warnings
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -23,6 +24,7 @@ FORMATS = ("PNG", "JPEG", "TIFF", "BMP", "GIF", "WEBP", "PPM", "JPEG2000")  # no
 TONES = ("auto", "linear", "grey")
 FITS = ("contain", "cover", "stretch")
 WIDTH = 180.0  # mm of a picture of which nothing is said: A4 less its margins
+_LIMIT = threading.Lock()
 REACH = 0.95  # the darkest coverage tone="auto" asks for: what dots still reach without closing up
 Source = str | os.PathLike[str] | BinaryIO | npt.NDArray[Any]
 
@@ -256,8 +258,7 @@ def decoded(source: str | os.PathLike[str] | BinaryIO, max_pixels: int = MAX_PIX
             raise ValueError(f"{name}: is {'a folder' if stat.S_ISDIR(mode) else 'not a regular file'}; give a picture file")
         if Path(source).stat().st_size == 0:
             raise ValueError(f"{name}: the file is empty; give a picture file")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # Pillow's own warning about size: ours is the limit below
+    with _own_limit():
         try:
             with Image.open(source, formats=FORMATS) as image:
                 w, h = image.size
@@ -271,12 +272,23 @@ def decoded(source: str | os.PathLike[str] | BinaryIO, max_pixels: int = MAX_PIX
                 return _grey(ImageOps.exif_transpose(image))
         except UnidentifiedImageError:
             raise ValueError(f"{name}: not a picture that can be read; give one of {', '.join(FORMATS)}") from None
-        except Image.DecompressionBombError:
-            raise ValueError(f"{name}: too many pixels to be a sound picture; make it smaller") from None
         except (SyntaxError, EOFError, OSError, MemoryError, TypeError, OverflowError) as error:
             if isinstance(error, OSError) and error.errno:
                 raise
             raise ValueError(f"{name}: the picture is broken ({' '.join(str(error).split())}); save it again") from None
+
+
+@contextlib.contextmanager
+def _own_limit() -> Iterator[None]:
+    """Pillow's limit on pixels is one for all of a program, and below ours: it is out of force while a picture is read."""
+    from PIL import Image
+
+    with _LIMIT:
+        limit, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None
+        try:
+            yield
+        finally:
+            Image.MAX_IMAGE_PIXELS = limit
 
 
 def _grey(image: Any) -> Array:
@@ -284,7 +296,8 @@ def _grey(image: Any) -> Array:
     if image.mode in ("F", "I") or image.mode.startswith("I;16"):
         values = np.asarray(image).astype(np.float64)
         if image.mode != "F":
-            return np.clip(values / 65535, 0, 1)
+            clear = values == image.info.get("transparency", -1)
+            return np.where(clear, 1.0, np.clip(values / 65535, 0, 1))
         finite = values[np.isfinite(values)]
         low, high = (finite.min(), finite.max()) if finite.size else (0.0, 0.0)
         if high == low:
@@ -296,7 +309,8 @@ def _grey(image: Any) -> Array:
     rgba = np.asarray(image.convert("RGBA")).astype(np.float64) / 255
     light = linear(rgba[..., :3]) @ np.array([0.2126, 0.7152, 0.0722])  # Rec. 709 luminance
     alpha = rgba[..., 3]
-    return encoded(np.clip(light * alpha + (1 - alpha), 0, 1))
+    # to nine digits: the three weights sum to 1 but for the last, and white is to be white
+    return np.round(encoded(np.clip(light * alpha + (1 - alpha), 0, 1)), 9)
 
 
 def linear(code: Array) -> Array:
@@ -343,7 +357,7 @@ def _cropped(values: Array, crop: tuple[float, float, float, float] | None) -> A
     if not (0 <= left < left + width <= 1 + 1e-9 and 0 <= top < top + height <= 1 + 1e-9):
         raise ValueError(f"crop {crop} is not inside the picture; give left, top, width, height as shares of 1")
     h, w = values.shape
-    x, y = int(left * w), int(top * h)
+    x, y = min(round(left * w), w - 1), min(round(top * h), h - 1)
     return values[y : max(y + 1, round((top + height) * h)), x : max(x + 1, round((left + width) * w))]
 
 

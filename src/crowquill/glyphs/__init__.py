@@ -53,7 +53,7 @@ def parsed(data: bytes, name: str) -> Library:
     glyphs = []
     for element in elements(data, name):
         if local(element) == "library":
-            about = json.loads(element.text or "{}")
+            about = _about(element.text or "{}", name)
         if local(element) == "path":
             try:
                 glyphs.append(Glyph.of(_outline(element.get("d", ""))))
@@ -62,6 +62,17 @@ def parsed(data: bytes, name: str) -> Library:
     if not glyphs:
         raise ValueError(f"{name}: the file has no paths; a glyph library has one closed path a dot")
     return Library(str(about.get("name", name)), tuple(glyphs), about)
+
+
+def _about(text: str, name: str) -> dict[str, Any]:
+    """The metadata of a library: a JSON object."""
+    try:
+        about = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise ValueError(f"{name}: its metadata is not JSON ({error.msg}); mend or remove its <library> element") from None
+    if not isinstance(about, dict):
+        raise ValueError(f"{name}: its metadata is not a JSON object; mend or remove its <library> element")
+    return about
 
 
 def _outline(d: str) -> Paths:
