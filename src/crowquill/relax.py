@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +11,7 @@ import shapely
 
 from crowquill import cells, hilbert, moments
 from crowquill.halftone import floyd_steinberg
-from crowquill.paths import Array, Index
+from crowquill.paths import Array, Index, frozen
 from crowquill.tone import Tone
 
 STARTS = ("even", "random", "halftone")
@@ -55,13 +55,16 @@ def scatter(tone: Tone, n: int, rng: np.random.Generator, how: str = "even") -> 
     if how == "halftone":
         return _halftoned(tone, n)
     split = int(np.ceil(np.sqrt(max(1.0, PIXELS_A_SITE * n / tone.coverage.size))))
-    ink = np.kron(tone.coverage * tone.inside, np.ones((split, split))) if split > 1 else tone.coverage * tone.inside
+    if split > 1:
+        finer: Array = np.kron(tone.coverage, np.ones((split, split))).astype(np.float64)
+        tone = replace(tone, coverage=finer)
+    ink = tone.coverage * tone.inside
     order = hilbert.of_grid(*ink.shape) if how == "even" else np.arange(ink.size)
     total = np.cumsum(ink.ravel()[order])
     draws = (np.arange(n) + rng.random(n)) / n if how == "even" else rng.random(n)
     found = np.searchsorted(total, np.minimum(draws * total[-1], np.nextafter(total[-1], 0)), side="right")
     row, column = np.divmod(order[found], ink.shape[1])
-    return _placed(tone, np.stack([column, row], axis=1), np.array(tone.pixel) / split, rng)
+    return _placed(tone, np.stack([column, row], axis=1), np.array(tone.pixel), rng)
 
 
 def lloyd(
@@ -86,7 +89,10 @@ def lloyd(
         raise ValueError(f"step {step} is outside 0 to 2")
     if not 0 <= exponent <= 4:
         raise ValueError(f"exponent {exponent} is outside 0 to 4")
-    return _states(np.array(sites, np.float64), tone, step, exponent, None if banned is None else np.asarray(banned, bool))
+    refused = None if banned is None else np.asarray(banned, bool)
+    if refused is not None and refused.shape != tone.coverage.shape:
+        raise ValueError(f"banned has shape {refused.shape}; it takes the tone's {tone.coverage.shape}")
+    return _states(frozen(sites, np.float64, (None, 2), "sites"), tone, step, exponent, refused)
 
 
 def _states(sites: Array, tone: Tone, step: float, exponent: float, banned: npt.NDArray[np.bool_] | None) -> Iterator[State]:
@@ -160,7 +166,8 @@ def _black_pixels(tone: Tone, pitch: float) -> Array:
     """The middles of the black pixels of the tone's halftone on a grid of this pitch in mm, those in the canvas."""
     from PIL import Image
 
-    columns, rows = (max(1, round(side / pitch)) for side in tone.size)
+    columns = max(1, round(tone.size[0] / pitch))
+    rows = max(1, round(tone.size[0] * tone.size[1] / pitch**2 / columns))  # so that both together come near
     ink = Image.fromarray((tone.coverage * tone.inside).astype(np.float32))
     grid = np.asarray(ink.resize((columns, rows), Image.Resampling.BOX), np.float64)
     row, column = np.nonzero(floyd_steinberg(np.clip(grid, 0, 1)))

@@ -49,7 +49,7 @@ class Glyph:
         Raises ValueError for an outline without area.
         """
         m = outline.green().sum(axis=0) if len(outline) == 1 and outline.closed else np.zeros(6)
-        extent = np.ptp(outline.xy, axis=0).max(initial=0.0)
+        extent = np.ptp(outline.xy, axis=0).max() if len(outline.xy) else 0.0
         if not abs(m[0]) > 1e-12 * extent**2:  # a line's area is rounding
             raise ValueError("a glyph takes one closed outline with an area over 0")
         x, y = m[1:3] / m[0]

@@ -16,6 +16,9 @@ from crowquill.units import INCH
 
 LIMIT = 512 * 2**20  # bytes; ten million dots of our own stay below
 DEPTH = 200  # nested elements
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+LENGTHS = {"x", "y", "x1", "y1", "x2", "y2", "cx", "cy", "r", "rx", "ry", "width", "height"}
+HIDDEN = (("display", "none"), ("visibility", "hidden"))
 PX = INCH / 96  # mm to the CSS pixel
 
 
@@ -26,7 +29,7 @@ def elements(data: bytes, name: str) -> Iterator[Any]:
     """
     if len(data) > LIMIT:
         raise ValueError(f"{name}: {len(data) / 2**20:.0f} MB is over the limit of {LIMIT / 2**20:.0f} MB; make it smaller")
-    if re.search(rb"<!ENTITY", data, re.IGNORECASE):
+    if re.search(rb"<\0?!\0?E\0?N\0?T\0?I\0?T\0?Y", data, re.IGNORECASE):  # in any encoding
         raise ValueError(f"{name}: declares entities, which are not read; save it as plain SVG")
     depth = 0
     root: Any = None
@@ -57,16 +60,27 @@ def shapes(data: bytes, name: str) -> tuple[tuple[float, float], list[tuple[Path
     """
     import svgelements
 
-    list(elements(data, name))
-    svg = svgelements.SVG.parse(io.BytesIO(data), ppi=96)
-    size = (float(svg.width or 0) * PX, float(svg.height or 0) * PX)
+    for element in elements(data, name):
+        for key in LENGTHS & set(element.attrib):
+            if not re.fullmatch(rf"\s*{NUMBER}\s*(mm|cm|in|pt|pc|px|%)?\s*", element.get(key)):
+                raise ValueError(f"{name}: {key}={element.get(key)!r} is not a length; mend it")
     found: list[tuple[Paths, Any]] = []
-    for shape in svg.elements():
-        if isinstance(shape, svgelements.Shape) and shape.values.get("display") != "none":
-            path = abs(svgelements.Path(shape))
-            path.approximate_arcs_with_cubics()
-            found += [(paths, shape) for paths in _subpaths(path)]
+    try:
+        svg = svgelements.SVG.parse(io.BytesIO(data), ppi=96)
+        size = (float(svg.width or 0) * PX, float(svg.height or 0) * PX)
+        for shape in svg.elements():
+            if isinstance(shape, svgelements.Shape) and not any(shape.values.get(key) == value for key, value in HIDDEN):
+                path = abs(svgelements.Path(shape))
+                path.approximate_arcs_with_cubics()
+                found += [(paths, shape) for paths in _subpaths(path)]
+    except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
+        raise ValueError(f"{name}: a shape in it cannot be read ({_cause(error)}); save it as plain SVG") from None
     return size, found
+
+
+def _cause(error: Exception) -> str:
+    """The first line of an error's text, or its kind."""
+    return (str(error).splitlines() or [type(error).__name__])[0][:80]
 
 
 def canvas(data: bytes, name: str, size: tuple[float, float]) -> shapely.Geometry:
@@ -75,11 +89,12 @@ def canvas(data: bytes, name: str, size: tuple[float, float]) -> shapely.Geometr
     Shapes lying inside others are holes, as by the even-odd rule. Raises ValueError where nothing is enclosed.
     """
     page, found = shapes(data, name)
-    rings = [ring for paths, _ in found if paths.closed for ring in paths.flat(1e-3 * max(size)) if len(ring) > 2]
+    fine = 1e-4 * max(page)  # of the page: a tenth of a millimetre on the side of a square metre
+    rings = [ring for paths, _ in found if paths.closed and fine for ring in paths.flat(fine) if len(ring) > 2]
     area = shapely.Polygon()
-    for polygon in shapely.make_valid(shapely.polygons([shapely.linearrings(ring) for ring in rings])):
-        area = shapely.symmetric_difference(area, polygon)
-    parts = [part for part in shapely.get_parts(area) if part.geom_type == "Polygon"]
+    for ring in rings:
+        area = shapely.symmetric_difference(area, shapely.make_valid(shapely.Polygon(ring)))
+    parts = [part for part in shapely.get_parts(area) if part.geom_type == "Polygon" and part.area > 0]
     if not parts or min(page) <= 0:
         raise ValueError(f"{name}: encloses no area; draw a closed outline on a page the shape of the picture")
     scale = np.array(size) / page
