@@ -205,6 +205,16 @@ def test_of_coincident_sites_the_first_has_the_cell() -> None:
     assert cells.owner.tolist() == [0, 1] and cells.first.tolist() == [0, 1, 2, 2, 2, 2] and cells.pairs.tolist() == [[0, 1]]
 
 
+@pytest.mark.parametrize("place", PLACES)
+def test_however_many_sites_on_a_circle_share_its_middle(place: tuple[float, float]) -> None:
+    for n in range(3, 43):
+        around = np.arange(n)[:, None] * 2 * np.pi / n + n  # turned, so that each n rounds in its own way
+        cells = at(*place, (1.5, 1) + 0.02 * n * np.hstack([np.cos(around), np.sin(around)]), BOX)
+        check_owners(cells)
+        check_shared_edges(cells)
+        assert len(cells.pairs) == n  # neighbours on the circle; across its middle no edge runs
+
+
 def test_cells_that_meet_in_one_point_are_no_pair() -> None:
     assert voronoi([(0.5, 0.5), (1.5, 0.5), (0.5, 1.5), (1.5, 1.5)], BOX).pairs.tolist() == [[0, 1], [0, 2], [1, 3], [2, 3]]
 

@@ -131,10 +131,11 @@ def test_a_folder_that_may_not_be_written_to_is_refused(locked: Path) -> None:
 def test_litter_of_dead_processes_is_removed_and_work_of_live_ones_is_not(tmp_path: Path) -> None:
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait()
-    litter = tmp_path / f".a[1].svg.{dead.pid}.x1{formats.PART}"
+    ours, theirs = (formats._mark(Path(name)) for name in ("a[1].svg", "b.svg"))
+    litter = tmp_path / f"{ours}{dead.pid}.x1{formats.PART}"
     others = {
-        f".a[1].svg.{os.getpid()}.x2{formats.PART}",
-        f".b.svg.{dead.pid}.x3{formats.PART}",
+        f"{ours}{os.getpid()}.x2{formats.PART}",
+        f"{theirs}{dead.pid}.x3{formats.PART}",
         f"a[1].svg.{dead.pid}{formats.PART}",
         "a1.svg",
     }

@@ -228,6 +228,16 @@ def test_white_cells_beside_ink_have_no_mass_and_keep_their_sites() -> None:
     assert (moments.centroid[white] == cells.sites[white]).all()
 
 
+@pytest.mark.parametrize("sliver", [1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16])
+@pytest.mark.parametrize(("rows", "column"), [(1, 0), (40, 30), (7, 60)])
+def test_a_sliver_of_ink_draws_the_centroid_no_further_than_the_cell(rows: int, column: int, sliver: float) -> None:
+    coverage = np.zeros((rows, 70))
+    coverage[:, : column + 1] = np.random.default_rng(12).random((rows, column + 1))
+    tone, x = Tone(coverage, (70 * 0.3, rows * 0.7)), (column + 1 - sliver) * 0.3  # cells meet this much short of the white
+    cells = voronoi([(x - 0.1, 0.31 * rows), (x + 0.1, 0.31 * rows), (x + 0.1, 0.33 * rows)], tone.canvas)
+    check_moments(of_tone(cells, tone), cells, tone)
+
+
 def test_sites_without_a_cell_and_no_sites_have_answers() -> None:
     tone = picture(11, 4, 4, (4, 4))
     twins = of_tone(voronoi([(1, 1), (1, 1), (9, 9)], tone.canvas), tone)

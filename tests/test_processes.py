@@ -37,6 +37,19 @@ def lloyd(*arguments, **options):
 original, relax.lloyd = relax.lloyd, lloyd
 run()
 """
+# and but for a halt in the middle of writing
+SLOW = """
+import os, sys
+from crowquill.__main__ import run
+
+def fsync(handle):
+    print("writing", flush=True)
+    sys.stdin.readline()
+    original(handle)
+
+original, os.fsync = os.fsync, fsync
+run()
+"""
 
 
 @pytest.fixture
@@ -189,12 +202,25 @@ def test_two_threads_at_once_draw_the_bytes_that_one_draws():
     assert together == [alone] * 6
 
 
-def test_what_a_killed_run_left_is_removed_and_what_is_not_ours_is_kept(desk):
-    litter, other, foreign = ".new.svg.999999999.abcdefgh.part", f".new.svg.{os.getppid()}.abcdefgh.part", ".new.svg.notes.part"
-    for name in (litter, other, foreign):  # a process that is dead, one that lives, and no process
-        Path(name).write_bytes(b"half a drawing")
-    assert main(["stipple", "ramp.png", "new.svg", *QUICK, "--quiet"]) == 0
-    assert set(held(desk)) == {"ramp.png", "old.svg", "new.svg", other, foreign}
+def test_a_run_removes_what_a_killed_one_left_and_leaves_a_living_one_alone(desk, reference):
+    def begun() -> subprocess.Popen[str]:
+        arguments = [sys.executable, "-c", SLOW, "stipple", "ramp.png", "new.svg", *QUICK, "--quiet"]
+        run = subprocess.Popen(arguments, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        assert run.stdout is not None and run.stdout.readline() == "writing\n"
+        return run
+
+    old = set(held(desk))
+    with begun() as living:
+        own = set(held(desk)) - old
+        with begun() as killed:
+            killed.kill()
+        litter = set(held(desk)) - old - own
+        assert own and litter  # a file under way each
+        assert main(["stipple", "ramp.png", "new.svg", *QUICK, "--quiet"]) == 0
+        assert set(held(desk)) == old | own | {"new.svg"}
+        living.communicate("go on\n", timeout=PATIENCE)
+    assert living.returncode == 0 and set(held(desk)) == old | {"new.svg"}
+    assert Path("new.svg").read_bytes() == reference
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["-h"], ["stipple", "--help"], ["stipple", "-h"], ["--version"]])

@@ -89,7 +89,7 @@ def voronoi(sites: npt.ArrayLike, canvas: shapely.Geometry) -> Cells:
     points, vertices, neighbours, unique = _triangles(sites, canvas)
     centres = np.empty((len(vertices), 2))
     _circumcentres(points, vertices, centres)
-    _gathered(points, vertices, neighbours, centres)
+    _gathered(points, vertices, neighbours, centres, _reach(sites, canvas)[1])
     start = np.zeros(len(unique) + 1, np.int64)
     ring = np.empty(3 * len(vertices), np.int64)
     _fans(vertices, neighbours, len(unique), start, ring)
@@ -162,21 +162,37 @@ def _circumcentres(points: Array, vertices: Any, centres: Array) -> None:
 
 
 @compiled
-def _gathered(points: Array, vertices: Any, neighbours: Any, centres: Array) -> None:
-    """Makes one of centres that differ by rounding alone, as those of neighbours whose corners lie on one circle."""
+def _gathered(points: Array, vertices: Any, neighbours: Any, centres: Array, reach: float) -> None:
+    """Makes one of centres that differ by rounding alone, as those of triangles whose corners lie on one circle.
+
+    Triangles are joined to neighbours of the same centre, and all of a group take the centre of one: so that the
+    many triangles of a regular polygon agree to the last bit.
+    """
+    group: Any = np.arange(len(vertices))
     for t in range(len(vertices)):
         if min(vertices[t, 0], vertices[t, 1], vertices[t, 2]) < SUPER:
             continue
         for k in range(3):
-            u = neighbours[t, k]
-            if u >= len(vertices) or min(vertices[u, 0], vertices[u, 1], vertices[u, 2]) < SUPER:
+            u = np.int64(neighbours[t, k])
+            if u >= t or min(vertices[u, 0], vertices[u, 1], vertices[u, 2]) < SUPER:
                 continue
             corner, x, y = vertices[t, 0], centres[t, 0], centres[t, 1]
             radius = abs(x - points[corner, 0]) + abs(y - points[corner, 1])
             # a centre is good to some last digits of its radius, and of its coordinates about a far origin
-            least = 1e-13 * radius + 1e-15 * (abs(x) + abs(y))
+            least = 1e-13 * radius + 1e-15 * (abs(x) + abs(y) + reach)
             if abs(centres[u, 0] - x) + abs(centres[u, 1] - y) < least:
-                centres[u, 0], centres[u, 1] = x, y
+                mine, other = t, u
+                while group[mine] != mine:
+                    mine = group[mine]
+                while group[other] != other:
+                    other = group[other]
+                group[max(mine, other)] = min(mine, other)
+    for t in range(len(vertices)):
+        root = t
+        while group[root] != root:
+            root = group[root]
+        group[t] = root
+        centres[t, 0], centres[t, 1] = centres[root, 0], centres[root, 1]
 
 
 @compiled

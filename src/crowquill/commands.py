@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import inspect
 import json
@@ -9,7 +10,7 @@ import os
 import sys
 import time
 import unicodedata
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, BinaryIO
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from crowquill.tone import Tone
 
 REFUSED = 2
+LONGEST = 280  # characters of a refusal
 BAR_MARGIN = 4.0  # mm; a check bar needs that much
 REMEDIES = {
     errno.ENOENT: "check the name",
@@ -34,6 +36,7 @@ REMEDIES = {
     errno.ENAMETOOLONG: "give a shorter name",
     errno.EISDIR: "give a file name in it",
     errno.ENOTDIR: "check the path",
+    errno.ELOOP: "check the path",
 }
 
 
@@ -58,7 +61,10 @@ def refused(error: Exception | str) -> int:
     if isinstance(error, OSError) and error.errno:
         name = f"{os.fsdecode(error.filename)}: " if error.filename else ""
         error = f"{name}{(error.strerror or 'failed').lower()}; {REMEDIES.get(error.errno, 'try another file or folder')}"
-    sys.stderr.write(f"crowquill: {plain(str(error))}\n")
+    line = plain(str(error))
+    if len(line) > LONGEST:  # a name can be long: its beginning, the cause and the remedy are what helps
+        line = f"{line[: LONGEST // 2]} ... {line[-LONGEST // 2 :]}"
+    sys.stderr.write(f"crowquill: {line}\n")
     return REFUSED
 
 
@@ -143,9 +149,7 @@ def _shared(
     black_point: Annotated[float | None, _option("Code value, 0 to 1, that is full ink.", TONE)] = None,
     white_point: Annotated[float | None, _option("Code value, 0 to 1, that is white paper.", TONE)] = None,
     invert: Annotated[bool, _flag("--invert", "Swap light and dark.", TONE)] = False,
-    crop: Annotated[
-        tuple[float, float, float, float] | None, _option("left,top,width,height, shares of 1.", TONE, parser=_crop, metavar="L,T,W,H")
-    ] = None,
+    crop: Annotated[str | None, _option("left,top,width,height, shares of 1.", TONE, parser=_crop, metavar="L,T,W,H")] = None,
     local_contrast: Annotated[float, _option("0 to 1, stress on detail.", TONE)] = 0.0,
     max_pixels: Annotated[int, _option("Refuse larger pictures.", TONE)] = 200_000_000,
     seed: Annotated[int, _option("Same seed, same drawing.", RUN, min=0)] = 0,
@@ -217,7 +221,8 @@ def _drawn(
     files = [*out, *([report] if report and not printed else [])]
     for path in out:
         formats.module(path.suffix[1:].lower(), str(path))
-    sources = [path for path in (picture, options["canvas"]) if path is not None]
+    texts = [Path(value) for key, value in knobs.items() if isinstance(styles.knobs(name)[key].takes, styles.Text)]
+    sources = [path for path in (picture, options["canvas"], *texts) if path is not None]
     formats.check(files, overwrite=overwrite, sources=sources)
     page, tone = _laid_out(picture, **{key: options[key] for key in options if key not in ("check_bar",)})
     work = styles.steps(name, tone, seed=seed, **knobs)
@@ -232,7 +237,7 @@ def _drawn(
 
     def told(file: BinaryIO) -> None:
         seconds = {**found["seconds"], "write": round(time.perf_counter() - drawn, 3), "total": round(time.perf_counter() - began, 3)}
-        file.write(json.dumps({**found, "seconds": seconds}, indent=2, ensure_ascii=False).encode() + b"\n")
+        file.write(json.dumps({**found, "seconds": seconds}, indent=2).encode() + b"\n")
 
     plan = [(path, formats.writer(sheet, path)) for path in out]
     formats.replace_files(plan + ([(report, told)] if report and not printed else []))
@@ -261,11 +266,13 @@ def _laid_out(
     from crowquill.sheet import turned
     from crowquill.tone import Tone
     from crowquill.vector import canvas as outline
+    from crowquill.vector import contents
 
     size = units.paper(paper)
     if margin < 0:
         raise ValueError(f"margin is {margin:g} mm; it takes 0 or more")
-    tone = Tone.load(picture, **light)
+    with _silence():
+        tone = Tone.load(picture, **light)
     art = (width, height) if width and height and fit != "contain" else tone.size
     size = turned(size, art, orientation)
     room = (size[0] - 2 * margin, size[1] - 2 * margin)
@@ -278,16 +285,35 @@ def _laid_out(
             f"with a margin of {margin:g} mm; make it smaller, or the paper larger"
         )
     if canvas is not None:
-        tone = replace(tone, canvas=outline(canvas.read_bytes(), str(canvas), tone.size))
+        shape = outline(contents(canvas), str(canvas), tone.size)
+        try:
+            tone = replace(tone, canvas=shape)
+        except ValueError as error:
+            raise ValueError(f"{canvas}: {error}") from None
     return size, tone
 
 
+@contextlib.contextmanager
+def _silence() -> Iterator[None]:
+    """Keeps C libraries that read pictures from writing to stderr themselves: what is wrong is said once, by us."""
+    sys.stderr.flush()
+    kept, nothing = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nothing, 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nothing)
+
+
 def _with_bar(sheet: Sheet, margin: float) -> Sheet:
+    from crowquill.paths import Paths
     from crowquill.sheet import check_bar
 
-    if margin < BAR_MARGIN:
-        raise ValueError(f"a check bar takes a margin of {BAR_MARGIN:g} mm; it is {margin:g} mm")
     bar = check_bar(margin, sheet.size[1] - margin / 2)
+    if margin < BAR_MARGIN or not isinstance(bar.art, Paths) or bar.art.xy[:, 0].max() > sheet.size[0] - BAR_MARGIN / 2:
+        raise ValueError(f"a check bar of 10 mm has no room in a margin of {margin:g} mm; make margin or paper larger")
     return replace(sheet, layers=(*sheet.layers, bar))
 
 

@@ -10,7 +10,7 @@ from crowquill.sheet import Marks
 
 SAMPLES = 16  # across the mean mark: its area comes out within 1 % each, and errors of many marks cancel
 BAND = 64_000_000  # samples held at a time
-FLAT = 1e-4  # of a unit glyph: its straight-sided stand-in has lost 2e-4 of its area
+FLAT = 2e-4  # of a unit glyph
 
 
 def rendered(marks: Marks, size: tuple[float, float], grid: tuple[int, int], *, pitch: float | None = None) -> Array:
@@ -27,6 +27,7 @@ def rendered(marks: Marks, size: tuple[float, float], grid: tuple[int, int], *, 
     across = np.maximum(1, np.ceil(np.array([size[0] / w, size[1] / h]) / step)).astype(np.int64)
     dx, dy = size[0] / (w * across[0]), size[1] / (h * across[1])
     shapes = marks._shapes.flat(FLAT)
+    corners = shapes.xy / np.sqrt(shapes.areas)[shapes.path][:, None]  # a chord cuts off area, which is given back
     reach = np.array([glyph.reach for glyph in marks.glyphs])[marks.glyph] * marks.scale
     rows = int(max(1, BAND // (w * across[0] * across[1])))  # pixel rows to a band
     for top in range(0, h, rows):
@@ -35,7 +36,7 @@ def rendered(marks: Marks, size: tuple[float, float], grid: tuple[int, int], *, 
         lower, upper = top * across[1] * dy - reach, bottom * across[1] * dy + reach
         near = marks.take((marks.xy[:, 1] >= lower) & (marks.xy[:, 1] <= upper))
         xy = (near.xy - (0, top * across[1] * dy)) / (dx, dy)
-        _inked(xy, near.angle, near.scale, near.glyph, shapes.xy, shapes.start, dx, dy, ink)
+        _inked(xy, near.angle, near.scale, near.glyph, corners, shapes.start, dx, dy, ink)
         cover[top:bottom] = ink.reshape(bottom - top, across[1], w, across[0]).mean(axis=(1, 3))
     return cover
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -74,17 +74,20 @@ def of_tone(cells: Cells, tone: Tone) -> Moments:
     """
     dx, dy = tone.pixel
     n = len(cells.sites)
-    sums, about = np.zeros((n, 7)), np.zeros((n, 2))
+    sums, about, box = np.zeros((n, 7)), np.zeros((n, 2)), np.zeros((n, 4))
     xy = cells.rings.xy / (dx, dy)
-    shared_out(lambda lo, hi: _edges(tone.prefix, xy, cells.rings.start, cells.first, sums, about, lo, hi), n)
+    shared_out(lambda lo, hi: _edges(tone.prefix, xy, cells.rings.start, cells.first, sums, about, box, lo, hi), n)
     sums[np.abs(sums[:, 0]) < NOTHING * sums[:, 6]] = 0
     sums = sums[:, :6] * dx * dy * np.array([1, dx, dy, dx * dx, dx * dy, dy * dy])
-    return Moments.of(sums, about * (dx, dy), cells.sites)
+    found = Moments.of(sums, about * (dx, dy), cells.sites)
+    # next to no ink in a corner is rounding of the whole pixels beside it: it may not lead out of the cell
+    held = np.clip(found.centroid, box[:, :2] * (dx, dy), box[:, 2:] * (dx, dy))
+    return replace(found, centroid=np.where(found.mass[:, None] > 0, held, found.centroid))
 
 
 @compiled
-def _edges(prefix: Array, xy: Array, start: Index, first: Index, sums: Array, about: Array, lo: int, hi: int) -> None:
-    """Sums of sites lo to hi, in pixels about the corner of the first pixel of their cells, put in `about`.
+def _edges(prefix: Array, xy: Array, start: Index, first: Index, sums: Array, about: Array, box: Array, lo: int, hi: int) -> None:
+    """Sums of sites lo to hi, in pixels about the corner of the first pixel of their cells, put in `about`, and the cells' boxes.
 
     Six integrals each, and the sum of the absolute parts of the first.
     """
@@ -92,9 +95,11 @@ def _edges(prefix: Array, xy: Array, start: Index, first: Index, sums: Array, ab
         begin, end = start[first[site]], start[first[site + 1]]
         if begin == end:
             continue
-        left, top = xy[begin, 0], xy[begin, 1]
+        left, top, right, bottom = xy[begin, 0], xy[begin, 1], xy[begin, 0], xy[begin, 1]
         for k in range(begin, end):
             left, top = min(left, xy[k, 0]), min(top, xy[k, 1])
+            right, bottom = max(right, xy[k, 0]), max(bottom, xy[k, 1])
+        box[site, 0], box[site, 1], box[site, 2], box[site, 3] = left, top, right, bottom
         left = min(max(np.floor(left), 0.0), prefix.shape[1] - 1.0)
         top = min(max(np.floor(top), 0.0), prefix.shape[0] - 1.0)
         about[site, 0], about[site, 1] = left, top

@@ -74,17 +74,19 @@ class Paths:
     @classmethod
     def of_polygons(cls, polygons: npt.ArrayLike) -> tuple[Paths, Index]:
         """The rings of shapely (Multi)Polygons and the polygon each is of: outer rings turn from x to y, holes the other way."""
-        rings, index = shapely.get_rings(shapely.orient_polygons(polygons), return_index=True)
+        parts, whole = shapely.get_parts(shapely.orient_polygons(polygons), return_index=True)
+        rings, part = shapely.get_rings(parts, return_index=True)
         xy, ring = shapely.get_coordinates(rings, return_index=True)
         last = np.append(ring[1:] != ring[:-1], True)[: len(ring)]  # shapely repeats the first point of a ring
         start = np.concatenate([[0], np.cumsum(np.bincount(ring[~last], minlength=len(rings)))])
-        return cls(xy[~last], start), np.asarray(index, np.int64)
+        return cls(xy[~last], start), np.asarray(whole[part], np.int64)
 
     def __len__(self) -> int:
         return len(self.start) - 1
 
     def __getitem__(self, i: int) -> Array:
         """The points of path i, (k, 2)."""
+        i = range(len(self))[i]
         return self.xy[self.start[i] : self.start[i + 1]]
 
     def __iter__(self) -> Iterator[Array]:
@@ -97,7 +99,7 @@ class Paths:
 
     def take(self, which: npt.ArrayLike) -> Paths:
         """The paths at these indices, in this order."""
-        which = np.asarray(which, np.int64)
+        which = np.arange(len(self))[np.asarray(which, np.int64)]
         counts = np.diff(self.start)[which]
         start = np.concatenate([[0], np.cumsum(counts)])
         points = np.repeat(self.start[which] - start[:-1], counts) + np.arange(start[-1])
@@ -117,6 +119,8 @@ class Paths:
         Straight paths come back as they are. A cubic in k even steps strays at most an
         eighth of its greatest second derivative over k^2, which is 6 times a second difference of its points.
         """
+        if not 0 < tolerance < np.inf:
+            raise ValueError(f"tolerance is {tolerance} mm; it takes a length over 0")
         if not self.cubic:
             return self
         a, b, c, d, path = self._curves()
@@ -129,7 +133,7 @@ class Paths:
         xy = s**3 * a[curve] + 3 * s * s * t * b[curve] + 3 * s * t * t * c[curve] + t**3 * d[curve]
         counts = np.bincount(path, steps, len(self)).astype(np.int64)
         if not self.closed:  # the last anchor of each line has no curve of its own
-            filled = np.flatnonzero(counts)
+            filled = np.flatnonzero(np.diff(self.start))
             ends = np.cumsum(counts)[filled]
             xy = np.insert(xy, ends, self.xy[self.start[filled + 1] - 1], axis=0)
             counts[filled] += 1

@@ -16,6 +16,7 @@ from crowquill.tone import Tone
 
 STARTS = ("even", "random", "halftone")
 PIXELS_A_SITE = 4  # pixels are split until there are so many: inside one pixel sites fall at random
+SQUARES = 40_000_000  # of a halftone's grid
 GOLDEN = np.pi * (3 - np.sqrt(5))  # rad; multiples of it never line up
 
 
@@ -42,7 +43,8 @@ def scatter(tone: Tone, n: int, rng: np.random.Generator, how: str = "even") -> 
               lengths of equal ink, and each gets one site at random
     random    each site by itself
     halftone  one site for every black pixel of a Floyd-Steinberg halftone whose grid makes
-              them about n, in rows: within 1 % from a few hundred on, and never none
+              them about n, in rows: within 1 % from a few hundred on, and never none. The grid
+              has forty million squares at most, which on a nearly white picture makes them fewer
 
     No ink, or n of 0, gives (0, 2). Raises ValueError for an unknown start or negative n.
     """
@@ -148,7 +150,8 @@ def _placed(tone: Tone, pixel: Index, size: Array, rng: np.random.Generator) -> 
 
 def _halftoned(tone: Tone, n: int) -> Array:
     """Sites on the grid that comes nearest to n: each next one is as much finer as the last was short of it."""
-    best, cells_wanted = np.zeros((0, 2)), float(n)
+    area = tone.size[0] * tone.size[1]
+    best, cells_wanted = np.zeros((0, 2)), min(float(n), SQUARES * tone.ink / area)
     for _ in range(8):
         sites = _black_pixels(tone, np.sqrt(tone.ink / cells_wanted))
         if len(sites) and (not len(best) or abs(len(sites) - n) < abs(len(best) - n)):
@@ -156,6 +159,8 @@ def _halftoned(tone: Tone, n: int) -> Array:
         if abs(len(best) - n) <= 0.002 * n:
             break
         cells_wanted *= min(2.0, n / max(1, len(sites)))
+        if area / tone.ink * cells_wanted > SQUARES:
+            break
     if len(best):
         return best
     darkest = np.unravel_index(np.argmax(tone.coverage * tone.inside), tone.coverage.shape)

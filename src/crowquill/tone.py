@@ -96,9 +96,9 @@ class Tone:
         if tone not in TONES:
             raise ValueError(f"no tone {tone!r}; there are {', '.join(TONES)}")
         if not 0 < gamma <= 10:
-            raise ValueError(f"gamma {gamma} is outside 0 to 10")
+            raise ValueError(f"gamma is {gamma}; it takes a number over 0, up to 10")
         if not 0 <= local_contrast <= 1:
-            raise ValueError(f"local_contrast {local_contrast} is outside 0 to 1")
+            raise ValueError(f"local contrast is {local_contrast}; it takes 0 to 1")
         if isinstance(source, np.ndarray):
             coverage = _cropped(np.asarray(source, np.float64), crop)
         else:
@@ -226,9 +226,8 @@ def touched(
     """
     from scipy.ndimage import binary_dilation
 
-    line = shapely.segmentize(shapely.boundary(shape), min(step) / 2)
-    xy = (shapely.get_coordinates(line) - corner) / step
-    column, row = np.floor(xy).astype(np.int64).T
+    line = shapely.transform(shapely.boundary(shape), lambda xy: (xy - corner) / step)
+    column, row = np.floor(shapely.get_coordinates(shapely.segmentize(line, 0.5))).astype(np.int64).T
     marks = np.zeros(grid, bool)
     marks[np.clip(row, 0, grid[0] - 1), np.clip(column, 0, grid[1] - 1)] = True
     return np.asarray(binary_dilation(marks, np.ones((3, 3), bool)))
@@ -272,8 +271,8 @@ def decoded(source: str | os.PathLike[str] | BinaryIO, max_pixels: int = MAX_PIX
                 return _grey(ImageOps.exif_transpose(image))
         except UnidentifiedImageError:
             raise ValueError(f"{name}: not a picture that can be read; give one of {', '.join(FORMATS)}") from None
-        except (SyntaxError, EOFError, OSError, MemoryError, TypeError, OverflowError) as error:
-            if isinstance(error, OSError) and error.errno:
+        except (SyntaxError, EOFError, OSError, MemoryError, TypeError, OverflowError, ValueError) as error:
+            if (isinstance(error, OSError) and error.errno) or str(error).startswith(f"{name}: "):
                 raise
             raise ValueError(f"{name}: the picture is broken ({' '.join(str(error).split())}); save it again") from None
 
@@ -295,7 +294,7 @@ def _grey(image: Any) -> Array:
     """Code values 0 to 1 of a Pillow image over white; float images are scaled by their finite range."""
     if image.mode in ("F", "I") or image.mode.startswith("I;16"):
         values = np.asarray(image).astype(np.float64)
-        if image.mode != "F":
+        if image.mode != "F" and values.max(initial=0) <= 65535:  # whole numbers of 32 bits have no white of their own
             clear = values == image.info.get("transparency", -1)
             return np.where(clear, 1.0, np.clip(values / 65535, 0, 1))
         finite = values[np.isfinite(values)]
@@ -331,7 +330,7 @@ def lightness(light: Array) -> Array:
 def _coverage(code: Array, tone: str, black: float | None, white: float | None) -> Array:
     """Coverage of code values by the named rule between the two points, or the rule's own."""
     if not 0 <= (0.0 if black is None else black) < (1.0 if white is None else white) <= 1:
-        raise ValueError(f"black point {black} and white point {white} must rise within 0 to 1")
+        raise ValueError(f"black point {black} and white point {white} are no range; give two that rise within 0 to 1")
     rules: dict[str, Callable[[Array], Array]]
     rules = {"grey": lambda v: v, "linear": linear, "auto": lambda v: lightness(linear(v)) / 100}
     rule = rules[tone]

@@ -3,7 +3,6 @@
 Everything behind this module is in millimetres; this is the only door. One constant a unit.
 """
 
-import math
 import re
 
 MM = 1.0
@@ -55,7 +54,7 @@ def paper(text: str) -> tuple[float, float]:
     if not found:
         raise ValueError(f"no paper {text!r}; there are {', '.join(PAPERS)}, or a size such as 120x80mm")
     width, first, height, last = found.groups()
-    size = length(width + (first or last)), length(height + last)
-    if min(size) <= 0 or not all(map(math.isfinite, size)):
+    size = round(length(width + (first or last)), 6), round(length(height + last), 6)
+    if min(size) <= 0:
         raise ValueError(f"paper {text!r} has no area; both sides must be over 0")
-    return round(size[0], 6), round(size[1], 6)
+    return size

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import re
+import stat
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
@@ -17,9 +19,21 @@ from crowquill.units import INCH
 LIMIT = 512 * 2**20  # bytes; ten million dots of our own stay below
 DEPTH = 200  # nested elements
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+COPIES = 1_000_000
+SIZES = {"r", "rx", "ry", "width", "height"}
 LENGTHS = {"x", "y", "x1", "y1", "x2", "y2", "cx", "cy", "r", "rx", "ry", "width", "height"}
 HIDDEN = (("display", "none"), ("visibility", "hidden"))
 PX = INCH / 96  # mm to the CSS pixel
+
+
+def contents(path: Path) -> bytes:
+    """The bytes of a file from outside; a folder, a pipe or a device is a ValueError, and so is one over the limit."""
+    facts = path.stat()
+    if not stat.S_ISREG(facts.st_mode):
+        raise ValueError(f"{path}: is {'a folder' if stat.S_ISDIR(facts.st_mode) else 'not a regular file'}; give a file")
+    if facts.st_size > LIMIT:
+        raise ValueError(f"{path}: {facts.st_size / 2**20:.0f} MB is over the limit of {LIMIT / 2**20:.0f} MB; make it smaller")
+    return path.read_bytes()
 
 
 def elements(data: bytes, name: str) -> Iterator[Any]:
@@ -60,10 +74,14 @@ def shapes(data: bytes, name: str) -> tuple[tuple[float, float], list[tuple[Path
     """
     import svgelements
 
-    for element in elements(data, name):
+    every = list(elements(data, name))
+    for element in every:
         for key in LENGTHS & set(element.attrib):
-            if not re.fullmatch(rf"\s*{NUMBER}\s*(mm|cm|in|pt|pc|px|%)?\s*", element.get(key)):
-                raise ValueError(f"{name}: {key}={element.get(key)!r} is not a length; mend it")
+            length = re.fullmatch(rf"\s*({NUMBER})\s*(mm|cm|in|pt|pc|px|%)?\s*", element.get(key))
+            if not length or (key in SIZES and float(length[1]) < 0):
+                raise ValueError(f"{name}: {key}={element.get(key)[:40]!r} is not a length; mend it")
+    if _copies(every[0], {element.get("id"): element for element in every}, {}) > COPIES:
+        raise ValueError(f"{name}: its shapes are used over {COPIES} times; save it as plain SVG without copies")
     found: list[tuple[Paths, Any]] = []
     try:
         svg = svgelements.SVG.parse(io.BytesIO(data), ppi=96)
@@ -76,6 +94,18 @@ def shapes(data: bytes, name: str) -> tuple[tuple[float, float], list[tuple[Path
     except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
         raise ValueError(f"{name}: a shape in it cannot be read ({_cause(error)}); save it as plain SVG") from None
     return size, found
+
+
+def _copies(element: Any, named: dict[str, Any], known: dict[int, float]) -> float:
+    """How many elements a renderer would meet, copies by <use> counted as often as they are made; without end in a circle."""
+    if id(element) not in known:
+        known[id(element)] = np.inf  # until it is known: who comes back here goes round in a circle
+        used = (
+            named.get(next((v for k, v in element.items() if k.rsplit("}", 1)[-1] == "href"), "")[1:]) if local(element) == "use" else None
+        )
+        parts = [*element, *([used] if used is not None else [])]
+        known[id(element)] = 1 + sum(_copies(part, named, known) for part in parts)
+    return known[id(element)]
 
 
 def _cause(error: Exception) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import glob
+import hashlib
 import importlib
 import io
 import os
@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from crowquill.sheet import Sheet
+from crowquill.vector import contents
 
 Target = str | os.PathLike[str] | BinaryIO
 PART = ".part"  # suffix of a file under way
@@ -29,12 +30,12 @@ def names() -> list[str]:
 def save(sheet: Sheet, *targets: Target, format: str | None = None, overwrite: bool = True) -> None:
     """Writes the sheet to every target: paths, whose suffix names the format, or open binary files.
 
-    An open file without a name takes `format`. Each file is written beside its place and
+    An open file takes `format`, or goes by its own name. Each file is written beside its place and
     renamed once all are whole, so that nothing is ever half written. Raises ValueError for an unknown
     format, FileExistsError where a file is there and may not be replaced, OSError where it cannot be written.
     """
     paths = [Path(target) for target in targets if isinstance(target, (str, os.PathLike))]
-    plan = [(path, writer(sheet, path, format)) for path in paths]
+    plan = [(path, writer(sheet, path)) for path in paths]
     check(paths, overwrite=overwrite)
     for target in targets:
         if not isinstance(target, (str, os.PathLike)):
@@ -54,10 +55,11 @@ def replace_files(plan: Sequence[tuple[Path, Callable[[BinaryIO], None]]]) -> No
     """
     done: list[tuple[str, Path]] = []
     try:
-        for path, fill in plan:
+        for given, fill in plan:
+            path = Path(os.path.realpath(given))  # a link stays one, and what it names is replaced
             _clear(path)
             try:
-                handle, name = tempfile.mkstemp(prefix=f".{path.name[:80]}.{os.getpid()}.", suffix=PART, dir=path.parent)
+                handle, name = tempfile.mkstemp(prefix=f"{_mark(path)}{os.getpid()}.", suffix=PART, dir=path.parent)
                 done.append((name, path))
                 with os.fdopen(handle, "wb") as file:
                     fill(file)
@@ -65,7 +67,7 @@ def replace_files(plan: Sequence[tuple[Path, Callable[[BinaryIO], None]]]) -> No
                     os.fsync(file.fileno())
                 Path(name).chmod(_mode(path))
             except OSError as error:
-                raise OSError(error.errno, error.strerror or str(error), str(path)) from error
+                raise OSError(error.errno, error.strerror or str(error), str(given)) from error
         while done:
             os.replace(*done[0])
             del done[0]
@@ -81,6 +83,8 @@ def check(paths: Sequence[Path], *, overwrite: bool = True, sources: Sequence[Pa
     sources  files read, none of which may be a target.
     """
     for path in paths:
+        with contextlib.suppress(FileNotFoundError):
+            path.stat()  # a name too long, a link to itself
         if path.is_dir():
             raise IsADirectoryError(f"{path}: is a folder; give a file name in it")
         if path.exists() and not path.is_file():
@@ -93,9 +97,10 @@ def check(paths: Sequence[Path], *, overwrite: bool = True, sources: Sequence[Pa
             raise FileNotFoundError(f"{path}: there is no folder {path.parent}; make it first")
         if not os.access(path.parent, os.W_OK):
             raise PermissionError(f"{path}: the folder cannot be written to; choose another")
-    whole = [path.resolve() for path in paths]
-    if len(set(whole)) < len(whole):
-        raise ValueError(f"{paths[0]}: is named twice; give each output its own name")
+    whole = [os.path.realpath(path) for path in paths]
+    for path, real in zip(paths, whole, strict=True):
+        if whole.count(real) > 1:
+            raise ValueError(f"{path}: is named twice; give each output its own name")
 
 
 def to_bytes(sheet: Sheet, format: str) -> bytes:
@@ -114,7 +119,7 @@ def load(source: str | os.PathLike[str] | BinaryIO) -> Sheet:
     reader = module(Path(name).suffix[1:].lower(), name)
     if not hasattr(reader, "read"):
         raise ValueError(f"{name}: drawings cannot be read back from this format; give the SVG")
-    data = Path(source).read_bytes() if isinstance(source, (str, os.PathLike)) else source.read()
+    data = contents(Path(source)) if isinstance(source, (str, os.PathLike)) else source.read()
     sheet: Sheet = reader.read(data, name)
     return sheet
 
@@ -138,10 +143,15 @@ def _mode(path: Path) -> int:
     return 0o666 & ~mask
 
 
+def _mark(path: Path) -> str:
+    """How names of files under way for this target begin: short, whatever its own name."""
+    return f".crowquill-{hashlib.sha256(os.fsencode(path.name)).hexdigest()[:16]}."
+
+
 def _clear(path: Path) -> None:
     """Removes what a run that was killed left beside this target; other runs under way are left alone."""
-    for part in path.parent.glob(f".{glob.escape(path.name[:80])}.*{PART}"):
-        number = part.name.removeprefix(f".{path.name[:80]}.").split(".")[0]
+    for part in path.parent.glob(f"{_mark(path)}*{PART}"):
+        number = part.name.removeprefix(_mark(path)).split(".")[0]
         if number.isdigit() and not _alive(int(number)):
             with contextlib.suppress(OSError):
                 part.unlink()

@@ -42,6 +42,13 @@ def chunks(art: Marks | Paths) -> Iterator[Paths]:
         yield art.take(np.sort(order[lo : lo + size])).outlines()
 
 
+def number(value: float, digits: int = 3) -> str:
+    """A number as SVG and PDF both take it: plain decimals, as few as say it, never an exponent or -0."""
+    text = f"{value:.{digits}f}"
+    text = text.rstrip("0").rstrip(".") if "." in text else text
+    return "0" if text == "-0" else text
+
+
 def svg_path(paths: Paths) -> str:
     """SVG path data in micrometres, relative throughout."""
     buffer = np.empty(8 + 8 * len(paths) + 2 * WIDEST * (len(paths.xy) + len(paths)), np.uint8)

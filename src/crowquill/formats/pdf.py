@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 from decimal import Decimal
 from typing import BinaryIO
@@ -9,7 +10,7 @@ from typing import BinaryIO
 import pikepdf
 from reportlab.pdfgen.canvas import Canvas
 
-from crowquill.formats._text import chunks, pdf_path
+from crowquill.formats._text import chunks, number, pdf_path
 from crowquill.sheet import Ink, Sheet
 from crowquill.units import POINT, UM
 
@@ -45,10 +46,10 @@ def write(sheet: Sheet, file: BinaryIO) -> None:
 def _colour(ink: Ink) -> str:
     """The operators that choose the ink; grey is the black plate alone, which RGB black is not."""
     fill, stroke = ("g", "G") if ink.cmyk[:3] == (0, 0, 0) else ("k", "K")
-    shares = f"{1 - ink.cmyk[3]:g}" if fill == "g" else " ".join(f"{share:g}" for share in ink.cmyk)
+    shares = number(1 - ink.cmyk[3], 4) if fill == "g" else " ".join(number(share, 4) for share in ink.cmyk)
     if ink.pen is None:
         return f"{shares} {fill}"
-    return f"{shares} {stroke} {ink.pen * 1000:g} w 1 J 1 j"
+    return f"{shares} {stroke} {number(ink.pen * 1000)} w 1 J 1 j"
 
 
 def _finished(drawn: io.BytesIO, file: BinaryIO, width: float, height: float) -> None:
@@ -65,4 +66,6 @@ def _finished(drawn: io.BytesIO, file: BinaryIO, width: float, height: float) ->
         for name in ("/Author", "/Subject", "/Keywords"):
             if name in pdf.docinfo:
                 del pdf.docinfo[name]
+        digest = hashlib.md5(page.Contents.read_bytes(), usedforsecurity=False).digest()
+        pdf.trailer["/ID"] = pikepdf.Array([digest, digest])  # one of its own for each drawing
         pdf.save(file, deterministic_id=True, compress_streams=True, recompress_flate=True)

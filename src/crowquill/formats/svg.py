@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import re
 import zlib
 from typing import Any, BinaryIO
 from xml.etree import ElementTree
@@ -16,7 +17,7 @@ import svgwrite.container
 import svgwrite.extensions
 import svgwrite.path
 
-from crowquill.formats._text import chunks, svg_path
+from crowquill.formats._text import chunks, number, svg_path
 from crowquill.paths import Array, Paths
 from crowquill.sheet import TURN_STEPS, Glyph, Ink, Layer, Marks, Sheet
 from crowquill.vector import elements, local, shapes
@@ -24,6 +25,7 @@ from crowquill.vector import elements, local, shapes
 SCHEMA = 1  # of the metadata; a reader refuses a newer one
 SPACE = "urn:crowquill:drawing"
 SVG = "http://www.w3.org/2000/svg"
+LARGEST = 2**31  # bytes of table unpacked; fifty million dots
 PIECE = 1_000_000  # characters of table to an element: some readers stop at 10 MB of text
 UNSEEN = {"metadata", "title", "desc", "defs"}
 
@@ -31,10 +33,12 @@ UNSEEN = {"metadata", "title", "desc", "defs"}
 def write(sheet: Sheet, file: BinaryIO) -> None:
     """The sheet as SVG 1.1 in millimetres: a group a layer, few long paths in whole micrometres, a table of marks."""
     width, height = sheet.size
-    drawing = svgwrite.Drawing(size=(f"{width:g}mm", f"{height:g}mm"), viewBox=f"0 0 {width:g} {height:g}", debug=False)
+    drawing = svgwrite.Drawing(
+        size=(f"{number(width)}mm", f"{number(height)}mm"), viewBox=f"0 0 {number(width)} {number(height)}", debug=False
+    )
     inkscape = svgwrite.extensions.Inkscape(drawing)
-    for number, layer in enumerate(sheet.layers, 1):
-        group = inkscape.layer(label=layer.label, id=f"layer{number}", **_paint(layer.ink))
+    for rank, layer in enumerate(sheet.layers, 1):
+        group = inkscape.layer(label=_sayable(layer.label), id=f"layer{rank}", **_paint(layer.ink))
         scaled = svgwrite.container.Group(transform="scale(.001)", debug=False)
         for paths in chunks(layer.art):
             scaled.add(svgwrite.path.Path(d=svg_path(paths), debug=False))
@@ -54,16 +58,30 @@ def read(data: bytes, name: str) -> Sheet:
     found = root.find(f".//{{{SPACE}}}drawing")
     if found is None:
         raise ValueError(f"{name}: not a drawing of ours: it has no table of marks; give an SVG that crowquill wrote")
+    about: Any = None
     try:
         about = json.loads(found.text or "")
-        if about["schema"] > SCHEMA:
-            raise ValueError(f"{name}: made by a newer crowquill (schema {about['schema']}); update this one")
-        if about["drawn"] != _digest(root):
-            return _from_geometry(data, name, about)
-        text = "".join(piece.text or "" for piece in root.iter(f"{{{SPACE}}}table"))
-        return _unpacked(about, zlib.decompress(base64.b64decode(text)))
-    except (KeyError, TypeError, zlib.error, json.JSONDecodeError, IndexError) as error:
-        raise ValueError(f"{name}: its table of marks is broken ({error}); save the drawing again") from None
+        newer, edited = about["schema"] > SCHEMA, about["drawn"] != _digest(root)
+    except (LookupError, TypeError, ValueError, RecursionError) as error:
+        raise _broken(name, error) from None
+    if newer:
+        raise ValueError(f"{name}: made by a newer crowquill (schema {about['schema']}); update this one")
+    if edited:
+        return _from_geometry(data, name, about)
+    try:
+        text = "".join(piece.text or "" for piece in root.iter(f"{{{SPACE}}}marks"))
+        return _unpacked(about, zlib.decompressobj().decompress(base64.b64decode(text), LARGEST))
+    except (LookupError, TypeError, ValueError, AttributeError, zlib.error, RecursionError, OverflowError) as error:
+        raise _broken(name, error) from None
+
+
+def _broken(name: str, error: Exception) -> ValueError:
+    return ValueError(f"{name}: its table of marks is broken ({error}); save the drawing again")
+
+
+def _sayable(text: str) -> str:
+    """The text with a question mark for what XML 1.0 has no way to say."""
+    return re.sub("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", text)
 
 
 def _paint(ink: Ink) -> dict[str, str]:
@@ -73,7 +91,7 @@ def _paint(ink: Ink) -> dict[str, str]:
     return {
         "fill": "none",
         "stroke": _colour(ink),
-        "stroke-width": f"{ink.pen * 1000:g}",
+        "stroke-width": number(ink.pen * 1000),
         "stroke-linecap": "round",
         "stroke-linejoin": "round",
     }
@@ -88,10 +106,10 @@ def _colour(ink: Ink) -> str:
 def _metadata(about: dict[str, Any], table: bytes) -> ElementTree.Element:
     metadata = ElementTree.Element("metadata")
     drawing = ElementTree.SubElement(metadata, "drawing", {"xmlns": SPACE})
-    drawing.text = json.dumps(about, sort_keys=True, ensure_ascii=False)
+    drawing.text = json.dumps(about, sort_keys=True)  # in ASCII: names may hold what XML cannot say
     text = base64.b64encode(zlib.compress(table, 6)).decode("ascii")
     for at in range(0, len(text), PIECE):
-        ElementTree.SubElement(metadata, "table", {"xmlns": SPACE}).text = text[at : at + PIECE]
+        ElementTree.SubElement(metadata, "marks", {"xmlns": SPACE}).text = text[at : at + PIECE]
     return metadata
 
 

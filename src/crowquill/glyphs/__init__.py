@@ -13,6 +13,7 @@ import numpy as np
 
 from crowquill.paths import Paths
 from crowquill.sheet import Glyph
+from crowquill.vector import contents, elements, local
 
 FOLDER = Path(__file__).parent
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -42,13 +43,11 @@ def load(source: str | os.PathLike[str]) -> Library:
     path = FOLDER / f"{source}.svg" if str(source) in names() else Path(source)
     if path.suffix.lower() != ".svg":
         raise ValueError(f"no glyph library {str(source)!r}; there are {', '.join(names())}, or the path of an SVG file")
-    return parsed(path.read_bytes(), str(source))
+    return parsed(contents(path), str(source))
 
 
 def parsed(data: bytes, name: str) -> Library:
     """The library in the bytes of an SVG file; errors call it `name`."""
-    from crowquill.vector import elements, local
-
     about: dict[str, Any] = {}
     glyphs = []
     for element in elements(data, name):
@@ -58,7 +57,7 @@ def parsed(data: bytes, name: str) -> Library:
             try:
                 glyphs.append(Glyph.of(_outline(element.get("d", ""))))
             except ValueError as error:
-                raise ValueError(f"{name}: path {element.get('id', len(glyphs))!r} is no glyph: {error}") from None
+                raise ValueError(f"{name}: path {element.get('id', str(len(glyphs)))[:40]!r} is no glyph: {error}") from None
     if not glyphs:
         raise ValueError(f"{name}: the file has no paths; a glyph library has one closed path a dot")
     return Library(str(about.get("name", name)), tuple(glyphs), about)
@@ -68,8 +67,8 @@ def _about(text: str, name: str) -> dict[str, Any]:
     """The metadata of a library: a JSON object."""
     try:
         about = json.loads(text)
-    except json.JSONDecodeError as error:
-        raise ValueError(f"{name}: its metadata is not JSON ({error.msg}); mend or remove its <library> element") from None
+    except (ValueError, RecursionError):
+        raise ValueError(f"{name}: its metadata is not JSON; mend or remove its <library> element") from None
     if not isinstance(about, dict):
         raise ValueError(f"{name}: its metadata is not a JSON object; mend or remove its <library> element")
     return about
