@@ -232,7 +232,7 @@ OPTIONS: list[tuple[str, ...]] = [
     ("--height 31mm", "a drawing higher than its room by a millimetre", "does not fit"),
     ("--fit stretch --height 10mm --width 200mm", "a drawing stretched over the paper's edge", "does not fit"),
     ("--margin 2mm --check-bar", "no room for a bar"),
-    ("--paper 14x40mm --check-bar", "a bar longer than the paper from the margin on"),
+    ("--paper 14x14mm --check-bar", "a bar longer than the paper from the margin on"),
     ("--report .", "a report over a folder", "folder"),
     ("--report out.svg", "a report over the drawing", "out.svg"),
     ("--report good.png", "a report over the picture", "good.png"),

@@ -200,7 +200,7 @@ def test_a_crop_draws_that_part_alone(run):
     name = picture(half, "half.png")
     assert "no ink" in run(name, "out.svg", *QUICK, "--crop", "0.5,0,0.5,1").err
     left = reported(run, name, "out.svg", *QUICK, "--crop", "0,0,0.5,1")
-    assert left["ink_asked_mm2"] == pytest.approx(40 * 40 * 20 / 30)  # 40 mm high, two thirds as wide, all black
+    assert left["ink_asked_mm2"] == pytest.approx(50 * 50 * 20 / 30)  # upright, 50 mm high and two thirds as wide, all black
 
 
 def test_a_canvas_is_laid_over_the_picture_and_keeps_the_dots_in(run):

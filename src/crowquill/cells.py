@@ -178,8 +178,8 @@ def _gathered(points: Array, vertices: Any, neighbours: Any, centres: Array, rea
                 continue
             corner, x, y = vertices[t, 0], centres[t, 0], centres[t, 1]
             radius = abs(x - points[corner, 0]) + abs(y - points[corner, 1])
-            # a centre is good to some last digits of its radius, and of its coordinates about a far origin
-            least = 1e-13 * radius + 1e-15 * (abs(x) + abs(y) + reach)
+            # a centre is good to some last digits of its radius, and of its coordinates about a far origin; thin triangles cost two more
+            least = min(1e-6 * radius, 1e-13 * radius + 2e-14 * (abs(x) + abs(y) + reach))
             if abs(centres[u, 0] - x) + abs(centres[u, 1] - y) < least:
                 mine, other = t, u
                 while group[mine] != mine:
@@ -323,7 +323,7 @@ def _handed_over(pieces: npt.NDArray[np.object_], cell: Index, sites: Array, rin
     of, own = np.concatenate([cell, around]), np.concatenate([kept, np.ones(len(around), bool)])
     owner = np.where(own, of, -1)
     low, high = shapely.bounds(shapes).reshape(-1, 2, 2).transpose(1, 0, 2)
-    tolerance = NEAR * float((high.max(axis=0) - low.min(axis=0)).max())
+    tolerance = NEAR * float((np.nanmax(high, axis=0) - np.nanmin(low, axis=0)).max())
     members: dict[int, list[int]] = {}
     for k, i in enumerate(of.tolist()):
         members.setdefault(i, []).append(k)
