@@ -279,8 +279,8 @@ def test_the_limit_of_pixels_can_be_moved(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("says", "options"),
     [
-        ("no tone 'sepia'", {"tone": "sepia"}), ("no fit 'tile'", {"fit": "tile"}), ("gamma 0", {"gamma": 0}),
-        ("gamma nan", {"gamma": np.nan}), ("local_contrast 2", {"local_contrast": 2}), ("width is 0 mm", {"width": 0}),
+        ("no tone 'sepia'", {"tone": "sepia"}), ("no fit 'tile'", {"fit": "tile"}), ("gamma is 0", {"gamma": 0}),
+        ("gamma is nan", {"gamma": np.nan}), ("local contrast is 2", {"local_contrast": 2}), ("width is 0 mm", {"width": 0}),
         ("height is -1 mm", {"height": -1}), ("crop .* not inside", {"crop": (0.5, 0, 0.6, 1)}), ("crop", {"crop": (0, 0, 0, 1)}),
         ("black point 0.8 and white point 0.2", {"black_point": 0.8, "white_point": 0.2}), ("black", {"black_point": np.nan}),
         ("not a sound polygon", {"canvas": shapely.Polygon([(0, 0), (1, 1), (1, 0), (0, 1)])}),

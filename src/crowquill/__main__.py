@@ -42,12 +42,14 @@ def main(arguments: list[str] | None = None) -> int:
 def run() -> NoReturn:
     """The entry point of the console script. Signals are taken care of before anything heavy is imported."""
     signal.signal(signal.SIGTERM, _end)
-    code = main()
-    try:
-        sys.stdout.flush()
-    except BrokenPipeError:  # the reader of our output has gone
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    sys.exit(code)
+    for handle in (0, 1, 2):  # closed by who started us: a file of ours must not take its place
+        try:
+            os.fstat(handle)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+    sys.stdout = sys.stdout or open(1, "w", closefd=False)  # noqa: SIM115
+    sys.stderr = sys.stderr or open(2, "w", closefd=False)  # noqa: SIM115
+    sys.exit(main())
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ import unicodedata
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, BinaryIO
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from crowquill.tone import Tone
 
 REFUSED = 2
+STOPPED = 130
 LONGEST = 280  # characters of a refusal
 BAR_MARGIN = 4.0  # mm; a check bar needs that much
 REMEDIES = {
@@ -53,6 +54,10 @@ def application(arguments: list[str]) -> int:
             return REFUSED
         message = message.rstrip(".").replace(". Did you mean", "; did you mean")
         return refused(message if "; " in message else f"{message}; --help shows what there is")
+    except typer.Abort:
+        raise KeyboardInterrupt from None
+    if code == STOPPED:  # what Typer makes of Ctrl-C
+        raise KeyboardInterrupt
     return code if isinstance(code, int) else 0
 
 
@@ -85,19 +90,32 @@ def _application(chosen: str | None) -> typer.Typer:
     )
 
     @app.callback(epilog="Try: crowquill stipple photo.jpg plate.pdf plate.svg --pen 0.3mm --paper a4")
-    def about(version: Annotated[bool, typer.Option("--version", is_eager=True, help="Print the version.")] = False) -> None:
+    def about(  # its options are what it is for
+        version: Annotated[bool, typer.Option("--version", is_eager=True, callback=_version, help="Print the version.")] = False,
+    ) -> None:
         """Pictures become drawings of dots at true size: SVG to edit, PDF to print."""
-        if version:
-            from importlib.metadata import version as of
 
-            typer.echo(f"crowquill {of('crowquill')}")
-            raise typer.Exit
-
-    about.__doc__ = None
     for name in styles.names():
         function = _command(name) if name == chosen else lambda: None
         app.command(name, help=styles.summary(name), no_args_is_help=True)(function)
     return app
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        say(f"crowquill {version('crowquill')}")
+        raise typer.Exit
+
+
+def say(text: str) -> None:
+    """A line on stdout; where nobody listens any more, the work goes on."""
+    try:
+        sys.stdout.write(f"{text}\n")
+        sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _length(text: str) -> float:
@@ -235,14 +253,16 @@ def _drawn(
     drawn = time.perf_counter()
     found: dict[str, Any] = {**sheet.report, "paper_mm": list(sheet.size), "files": [str(path) for path in out]}
 
-    def told(file: BinaryIO) -> None:
+    def told() -> str:
         seconds = {**found["seconds"], "write": round(time.perf_counter() - drawn, 3), "total": round(time.perf_counter() - began, 3)}
-        file.write(json.dumps({**found, "seconds": seconds}, indent=2).encode() + b"\n")
+        return json.dumps({**found, "seconds": seconds}, indent=2)
 
     plan = [(path, formats.writer(sheet, path)) for path in out]
-    formats.replace_files(plan + ([(report, told)] if report and not printed else []))
+    if report and not printed:
+        plan.append((report, lambda file: file.write(f"{told()}\n".encode())))
+    formats.replace_files(plan)
     if printed:
-        told(sys.stdout.buffer)
+        say(told())
     for warning in found["warnings"]:
         sys.stderr.write(f"crowquill: note: {plain(warning)}\n")
     if not (quiet or printed):
@@ -321,11 +341,11 @@ def _foretold(work: styles.Work, tone: Tone, page: tuple[float, float]) -> int:
     """What a style's first Step says of the work to come."""
     facts = next(work).facts
     work.close()
-    typer.echo(f"paper  {page[0]:g} x {page[1]:g} mm")
-    typer.echo(f"art    {tone.size[0]:.4g} x {tone.size[1]:.4g} mm")
-    typer.echo(f"ink    {tone.ink:.1f} mm2 asked")
+    say(f"paper  {page[0]:g} x {page[1]:g} mm")
+    say(f"art    {tone.size[0]:.4g} x {tone.size[1]:.4g} mm")
+    say(f"ink    {tone.ink:.1f} mm2 asked")
     for name, value in facts.items():
-        typer.echo(f"{name:<6} {value:g}" if name != "seconds" else f"time   about {value:g} s")
+        say(f"{name:<6} {value:g}" if name != "seconds" else f"time   about {value:g} s")
     return 0
 
 
@@ -350,7 +370,7 @@ def _watched(work: styles.Work) -> Sheet:
 def _said(report: dict[str, Any], seconds: float) -> None:
     """The summary: what was drawn, how large, with how much ink, where."""
     art, page = report["art_mm"], report["paper_mm"]
-    typer.echo(
+    say(
         f"{report['marks']} marks, {art[0]:.4g} x {art[1]:.4g} mm on {page[0]:g} x {page[1]:g} mm, "
         f"ink {report['ink_placed_mm2']:.0f} of {report['ink_asked_mm2']:.0f} mm2, {seconds:.1f} s: {plain(', '.join(report['files']))}"
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -24,6 +25,14 @@ def compiled(function: F) -> F:
         made = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
     except RuntimeError:  # neither the package's folder nor the home folder can be written
         made = numba.njit(nogil=True, error_model="numpy")(function)
+    else:
+        save = made._cache.save_overload
+
+        def save_if_there_is_room(*arguments: Any) -> None:
+            with contextlib.suppress(OSError):
+                save(*arguments)
+
+        made._cache.save_overload = save_if_there_is_room
     return cast(F, made)
 
 

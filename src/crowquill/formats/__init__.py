@@ -43,12 +43,12 @@ def save(sheet: Sheet, *targets: Target, format: str | None = None, overwrite: b
     replace_files(plan)
 
 
-def writer(sheet: Sheet, path: Path, format: str | None = None) -> Callable[[BinaryIO], None]:
+def writer(sheet: Sheet, path: Path, format: str | None = None) -> Callable[[BinaryIO], object]:
     """The function that writes the sheet to an open file, in a format by name or by the path's suffix."""
     return partial(module(format or path.suffix[1:].lower(), str(path)).write, sheet)
 
 
-def replace_files(plan: Sequence[tuple[Path, Callable[[BinaryIO], None]]]) -> None:
+def replace_files(plan: Sequence[tuple[Path, Callable[[BinaryIO], object]]]) -> None:
     """Fills each path by its function, all beside their places first, then renamed: all or none, never half of one.
 
     An OSError names the path it happened to.
