@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import inspect
 import json
 import os
 import sys
 import time
 import unicodedata
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from crowquill import styles, units
+from crowquill import options, styles, units
 
 if TYPE_CHECKING:
     from crowquill.sheet import Sheet, Step
@@ -75,8 +74,7 @@ def refused(error: Exception | str) -> int:
 
 def plain(text: str) -> str:
     """The text in one line that no terminal can misread: control and bidirectional characters become a question mark."""
-    line = " ".join(text.split(" "))
-    return "".join("?" if unicodedata.category(letter) in ("Cc", "Cf", "Cs", "Zl", "Zp") else letter for letter in line)
+    return "".join("?" if unicodedata.category(letter) in ("Cc", "Cf", "Cs", "Zl", "Zp") else letter for letter in text)
 
 
 def _application(chosen: str | None) -> typer.Typer:
@@ -96,7 +94,7 @@ def _application(chosen: str | None) -> typer.Typer:
         """Pictures become drawings of dots at true size: SVG to edit, PDF to print."""
 
     for name in styles.names():
-        function = _command(name) if name == chosen else lambda: None
+        function = options.command(name, _drawn) if name == chosen else lambda: None
         app.command(name, help=styles.summary(name), no_args_is_help=True)(function)
     return app
 
@@ -118,106 +116,6 @@ def say(text: str) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _length(text: str) -> float:
-    try:
-        return units.length(text)
-    except ValueError as error:
-        raise typer.BadParameter(str(error)) from None
-
-
-def _crop(text: str) -> tuple[float, ...]:
-    parts = text.split(",")
-    try:
-        if len(parts) == 4:
-            return tuple(float(part) for part in parts)
-    except ValueError:
-        pass
-    raise typer.BadParameter(f"{text!r} is not left,top,width,height as shares of the picture, such as 0.1,0,0.8,1")
-
-
-def _option(help: str, panel: str, **more: Any) -> Any:
-    return typer.Option(help=help, rich_help_panel=panel, **more)
-
-
-def _flag(name: str, help: str, panel: str) -> Any:
-    return typer.Option(name, help=help, rich_help_panel=panel)
-
-
-def _mm(help: str, panel: str) -> Any:
-    return _option(help, panel, parser=_length, metavar="LENGTH")
-
-
-PAPER, TONE, RUN = "Paper and size", "Tone", "Running"
-
-
-def _shared(
-    picture: Annotated[Path, typer.Argument(help="The picture: PNG, JPEG, TIFF, WebP, GIF, BMP.", show_default=False, metavar="PICTURE")],
-    out: Annotated[list[Path], typer.Argument(help="Files to write, by suffix: .svg, .pdf.", show_default=False, metavar="OUT")],
-    *,
-    paper: Annotated[str, _option("a4, a5, letter, or a size such as 120x80mm.", PAPER)] = "a4",
-    orientation: Annotated[str, _option("auto, portrait or landscape.", PAPER)] = "auto",
-    margin: Annotated[float, _mm("White kept around the drawing.", PAPER)] = "15mm",  # type: ignore[assignment]
-    width: Annotated[float | None, _mm("Width of the drawing; all the room when left out.", PAPER)] = None,
-    height: Annotated[float | None, _mm("Height of the drawing.", PAPER)] = None,
-    fit: Annotated[str, _option("contain, cover or stretch, when both sides are known.", PAPER)] = "contain",
-    canvas: Annotated[Path | None, _option("SVG outline to draw in, its page laid over the picture.", PAPER, metavar="FILE")] = None,
-    check_bar: Annotated[bool, _flag("--check-bar", "Draw a 10 mm bar in the margin.", PAPER)] = False,
-    tone: Annotated[str, _option("auto: suits the pen; linear: physically exact; grey: by code value.", TONE)] = "auto",
-    gamma: Annotated[float, _option("Power of coverage; above 1 opens shadows.", TONE)] = 1.0,
-    black_point: Annotated[float | None, _option("Code value, 0 to 1, that is full ink.", TONE)] = None,
-    white_point: Annotated[float | None, _option("Code value, 0 to 1, that is white paper.", TONE)] = None,
-    invert: Annotated[bool, _flag("--invert", "Swap light and dark.", TONE)] = False,
-    crop: Annotated[str | None, _option("left,top,width,height, shares of 1.", TONE, parser=_crop, metavar="L,T,W,H")] = None,
-    local_contrast: Annotated[float, _option("0 to 1, stress on detail.", TONE)] = 0.0,
-    max_pixels: Annotated[int, _option("Refuse larger pictures.", TONE)] = 200_000_000,
-    seed: Annotated[int, _option("Same seed, same drawing.", RUN, min=0)] = 0,
-    report: Annotated[Path | None, _option("Write what came of it as JSON; - prints it.", RUN, metavar="FILE")] = None,
-    quiet: Annotated[bool, _flag("--quiet", "No progress and no summary.", RUN)] = False,
-    overwrite: Annotated[bool, _option("Replace files that are there.", RUN)] = True,
-    dry_run: Annotated[bool, _flag("--dry-run", "Say size, dots and time, and write nothing.", RUN)] = False,
-) -> None:
-    """Only its signature is used: the options of every style."""
-
-
-def _command(name: str) -> Callable[..., int]:
-    """A function with the style's options and the shared ones as its signature, for Typer to read."""
-    knobs = styles.knobs(name)
-    parameters = [
-        inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, default=_default(knob), annotation=_annotation(knob))
-        for key, knob in knobs.items()
-    ]
-    shared = inspect.signature(_shared, eval_str=True).parameters
-
-    def command(**values: Any) -> int:
-        chosen = {key: values.pop(key) for key in knobs}
-        return _drawn(name, chosen, **values)
-
-    every = [*shared.values(), *parameters]
-    command.__signature__ = inspect.Signature(every)  # type: ignore[attr-defined]
-    command.__annotations__ = {p.name: p.annotation for p in every}
-    return command
-
-
-def _default(knob: styles.Knob) -> Any:
-    """Lengths are text on the command line, defaults too."""
-    is_length = isinstance(knob.takes, styles.Range) and knob.takes.unit == "mm"
-    return f"{knob.default:g}mm" if is_length and knob.default is not None else knob.default
-
-
-def _annotation(knob: styles.Knob) -> Any:
-    takes, panel = knob.takes, "The style's knobs"
-    kind: Any = str
-    help = takes.help[0].upper() + takes.help[1:]
-    option = _option(f"{help}.", panel)
-    if isinstance(takes, styles.Choice):
-        option = _option(f"{help}: {', '.join(takes.names)}.", panel)
-    elif isinstance(takes, styles.Range):
-        kind = int if knob.whole else float
-        if takes.unit == "mm":
-            option = _mm(f"{help}.", panel)
-    return Annotated[kind | None if knob.default is None else kind, option]
-
-
 def _drawn(
     name: str,
     knobs: dict[str, Any],
@@ -229,45 +127,61 @@ def _drawn(
     overwrite: bool,
     dry_run: bool,
     seed: int,
-    **options: Any,
+    check_bar: bool,
+    **layout: Any,
 ) -> int:
     """One drawing from picture to files."""
     from crowquill import formats
 
     began = time.perf_counter()
-    printed = report is not None and str(report) == "-"
-    files = [*out, *([report] if report and not printed else [])]
     for path in out:
         formats.module(path.suffix[1:].lower(), str(path))
+    to_file = report is not None and str(report) != "-"
     texts = [Path(value) for key, value in knobs.items() if isinstance(styles.knobs(name)[key].takes, styles.Text)]
-    sources = [path for path in (picture, options["canvas"], *texts) if path is not None]
-    formats.check(files, overwrite=overwrite, sources=sources)
-    page, tone = _laid_out(picture, **{key: options[key] for key in options if key not in ("check_bar",)})
+    sources = [path for path in (picture, layout["canvas"], *texts) if path is not None]
+    formats.check([*out, *([report] if report and to_file else [])], overwrite=overwrite, sources=sources)
+    page, tone = _laid_out(picture, **layout)
     work = styles.steps(name, tone, seed=seed, **knobs)
     if dry_run:
         return _foretold(work, tone, page)
-    sheet = styles.run(work, None) if quiet else _watched(work)
-    sheet = sheet.on(page, margin=options["margin"], orientation="as it is")
-    if options["check_bar"]:
-        sheet = _with_bar(sheet, options["margin"])
-    drawn = time.perf_counter()
-    found: dict[str, Any] = {**sheet.report, "paper_mm": list(sheet.size), "files": [str(path) for path in out]}
-
-    def told() -> str:
-        seconds = {**found["seconds"], "write": round(time.perf_counter() - drawn, 3), "total": round(time.perf_counter() - began, 3)}
-        return json.dumps({**found, "seconds": seconds}, indent=2)
-
+    sheet = styles.run(work) if quiet else _watched(work)
+    sheet = sheet.on(page, margin=layout["margin"], orientation="as it is")
+    if check_bar:
+        sheet = _with_bar(sheet, layout["margin"])
+    told = _Report({**sheet.report, "paper_mm": list(sheet.size), "files": [str(path) for path in out]}, began)
     plan = [(path, formats.writer(sheet, path)) for path in out]
-    if report and not printed:
-        plan.append((report, lambda file: file.write(f"{told()}\n".encode())))
+    if report and to_file:
+        plan.append((report, lambda file: file.write(f"{told.text()}\n".encode())))
     formats.replace_files(plan)
-    if printed:
-        say(told())
-    for warning in found["warnings"]:
+    for warning in told.facts["warnings"]:
         sys.stderr.write(f"crowquill: note: {plain(warning)}\n")
-    if not (quiet or printed):
-        _said(found, time.perf_counter() - began)
+    if report and not to_file:
+        say(told.text())
+    elif not quiet:
+        say(told.summary())
     return 0
+
+
+class _Report:
+    """What came of a drawing, as JSON and as a line; the time of writing is known only when it is asked for."""
+
+    def __init__(self, facts: dict[str, Any], began: float) -> None:
+        self.facts, self._began, self._drawn = facts, began, time.perf_counter()
+
+    def text(self) -> str:
+        """The report as JSON."""
+        now = time.perf_counter()
+        last = {"write": round(now - self._drawn, 3), "total": round(now - self._began, 3)}
+        return json.dumps({**self.facts, "seconds": {**self.facts["seconds"], **last}}, indent=2)
+
+    def summary(self) -> str:
+        """What was drawn, how large, with how much ink, where."""
+        facts, art, page = self.facts, self.facts["art_mm"], self.facts["paper_mm"]
+        return (
+            f"{facts['marks']} marks, {art[0]:.4g} x {art[1]:.4g} mm on {page[0]:g} x {page[1]:g} mm, "
+            f"ink {facts['ink_placed_mm2']:.0f} of {facts['ink_asked_mm2']:.0f} mm2, "
+            f"{time.perf_counter() - self._began:.1f} s: {plain(', '.join(facts['files']))}"
+        )
 
 
 def _laid_out(
@@ -365,12 +279,3 @@ def _watched(work: styles.Work) -> Sheet:
             bars.update(shown[step.stage], completed=step.done, total=step.total)
 
         return styles.run(work, watch)
-
-
-def _said(report: dict[str, Any], seconds: float) -> None:
-    """The summary: what was drawn, how large, with how much ink, where."""
-    art, page = report["art_mm"], report["paper_mm"]
-    say(
-        f"{report['marks']} marks, {art[0]:.4g} x {art[1]:.4g} mm on {page[0]:g} x {page[1]:g} mm, "
-        f"ink {report['ink_placed_mm2']:.0f} of {report['ink_asked_mm2']:.0f} mm2, {seconds:.1f} s: {plain(', '.join(report['files']))}"
-    )

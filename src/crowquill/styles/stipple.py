@@ -80,7 +80,6 @@ def draw(
     plan = planned(tone, pen=pen, dots=dots, white=white, white_rule=white_rule, max_dots=max_dots)
     yield Step("plan", 0, 1, {"dots": plan.dots, "pen_mm": plan.pen, "seconds": expected_seconds(plan.dots, iterations)})
     chance = rng.spawn(2)
-    warnings = []
     sites = relax.scatter(plan.demand, plan.dots, chance[0], start)
     yield Step("place", 1, 1, {"dots": len(sites)})
     clock.lap("place")
@@ -95,33 +94,40 @@ def draw(
     clock.lap("relax")
     sites, kept = _snapped(sites, tone, plan.white)
     placed = _marks(sites, library.glyphs, plan.pen, chance[1]).take(kept)
-    spaced = placed.take(_apart(placed, min_gap)) if min_gap else placed
-    sheet = Sheet(tone.size, (Layer(Ink(), spaced),))
+    marks = placed.take(_apart(placed, min_gap)) if min_gap else placed
     yield Step("measure", 0, 1)
-    asked, ink = plan.asked.ink, measure.ink(spaced)
-    missing = max(0.0, 1 - ink / asked) if asked else 0.0
+    ink = measure.ink(marks)
     clock.lap("measure")
-    if not plan.dots:
-        warnings.append("no ink: the picture is white, or lighter than the white cutoff, where it may be drawn on")
-    elif missing > 0.02:
-        warnings.append(f"{missing:.1%} of the ink asked for is not reached; a wider pen, more dots or lighter tones would")
     report = {
-        "marks": len(spaced),
-        "pen_mm": plan.pen,
-        "ink_asked_mm2": asked,
-        "ink_placed_mm2": ink,
-        "coverage_missing": missing,
+        **_found(plan, len(marks), ink),
         "removed_on_white": int(len(sites) - kept.sum()),
-        "removed_for_gap": len(placed) - len(spaced),
+        "removed_for_gap": len(placed) - len(marks),
         "iterations": done,
         "energy": energy,
         "movement": movement,
         "seconds": clock.laps,
         "glyphs": library.name,
         "simulated": bool(library.about.get("simulated", False)),
+    }
+    return Sheet(tone.size, (Layer(Ink(), marks),), report=report)
+
+
+def _found(plan: Plan, marks: int, ink: float) -> dict[str, Any]:
+    """What is reported of dots and ink, and what is to be said of it."""
+    asked, warnings = plan.asked.ink, []
+    missing = max(0.0, 1 - ink / asked) if asked else 0.0
+    if not plan.dots:
+        warnings.append("no ink: the picture is white, or lighter than the white cutoff, where it may be drawn on")
+    elif missing > 0.02:
+        warnings.append(f"{missing:.1%} of the ink asked for is not reached; a wider pen, more dots or lighter tones would help")
+    return {
+        "marks": marks,
+        "pen_mm": plan.pen,
+        "ink_asked_mm2": asked,
+        "ink_placed_mm2": ink,
+        "coverage_missing": missing,
         "warnings": warnings,
     }
-    return Sheet(sheet.size, sheet.layers, report=report)
 
 
 class Clock:
