@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import pty
 import signal
@@ -154,10 +155,20 @@ def test_without_a_terminal_nothing_is_painted(reference):
 @pytest.mark.usefixtures("desk")
 def test_on_a_terminal_progress_is_shown_and_the_drawing_is_the_same(reference):
     ours, theirs = pty.openpty()
+    heard: list[bytes] = []
+
+    def listen() -> None:  # a terminal holds 4 KB and then keeps its writer waiting
+        with contextlib.suppress(OSError):  # how Linux says that the other end has gone
+            while part := os.read(ours, 4096):
+                heard.append(part)
+
+    listener = threading.Thread(target=listen)
+    listener.start()
     found = process("--iterations", "2", stdout=subprocess.PIPE, stderr=theirs, env={**os.environ, "TERM": "xterm"})
     os.close(theirs)
-    shown = os.read(ours, 1 << 16).decode()
+    listener.join(PATIENCE)
     os.close(ours)
+    shown = b"".join(heard).decode()
     assert found.returncode == 0 and "relax" in shown and "Traceback" not in shown
     assert Path("new.svg").read_bytes() == reference
 
