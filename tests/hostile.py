@@ -37,6 +37,7 @@ RAMP = Image.fromarray(np.tile(np.linspace(0, 255, 40).astype(np.uint8), (30, 1)
 GOOD = saved(RAMP, "PNG")
 NOISE = Image.fromarray(np.random.default_rng(1).integers(0, 256, (80, 90), dtype=np.uint8))
 JPEG, TIFF, WEBP, GIF = saved(NOISE, "JPEG"), saved(NOISE, "TIFF"), saved(NOISE, "WEBP", lossless=True), saved(NOISE, "GIF")
+JP2 = saved(NOISE, "JPEG2000")
 PACKED = saved(NOISE, "TIFF", compression="tiff_lzw")
 BOMB_JPEG = JPEG.replace(struct.pack(">HH", 80, 90), struct.pack(">HH", 65535, 65535), 1)
 BOMB_GIF = GIF[:6] + struct.pack("<HH", 65535, 65535) + GIF[10:]
@@ -57,6 +58,7 @@ PICTURES: dict[str, tuple[bytes, str]] = {
     "cut.tif": (TIFF[: len(TIFF) // 2], "half a scan"),
     "cut.webp": (WEBP[: len(WEBP) // 2], "half a picture off the web"),
     "cut.gif": (GIF[: len(GIF) // 2], "half a cartoon"),
+    "box.jp2": (JP2[:19] + b"\x80" + JP2[20:], "a box that says it is longer than it is"),
     "packed.tif": (PACKED[:200] + bytes(200) + PACKED[400:], "a packed scan with a hole in it"),
     "head.png": (GOOD[:8], "a signature alone"),
     "crc.png": (GOOD[:29] + bytes(4) + GOOD[33:], "a header whose checksum is wrong"),
@@ -116,12 +118,16 @@ CANVASES = SVGS | {
     "minus.svg": (svg('<circle cx="20" cy="15" r="-5"/>'), "a negative radius"),
     "turned.svg": (svg(f'<g transform="rotate(nan)">{BOX}</g>'), "a turn by nothing that is a number"),
     "away.svg": (svg('<path d="M500 5H535V25H505Z"/>'), "an outline off the page"),
+    "huge.svg": (svg('<path d="M5 5C999999999999999999 5 35 5 35 25Z"/>'), "a curve longer than the solar system"),
     "itself.svg": (svg(f'<g id="a">{BOX}<use xlink:href="#a"/></g>'), "a group that contains itself"),
     "uses.svg": (svg(f'<g id="u0">{BOX}</g>{USES}'), "ten of ten of ten, nine times over"),
 }
 LIBRARIES = SVGS | {
-    "letters.svg": (svg('<path d="M0 0h1v1z"/>'), "an outline that is not cubic"),
-    "gap.svg": (svg('<path d="M0 0C1 0 1 1 2 2Z"/>'), "an outline that does not come home"),
+    "letters.svg": (svg('<text x="1" y="1">...</text>'), "dots that are full stops"),
+    "picture.svg": (svg('<image width="9" height="9" xlink:href="good.png"/>'), "dots that are in a picture"),
+    "thin.svg": (svg('<path d="M0 0C1 1 2 2 3 3C2 2 1 1 0 0Z"/>'), "a dot without area"),
+    "hair.svg": (svg('<path d="M0 0C30 .001 60 .001 100 0C60 -.001 30 -.001 0 0Z"/>'), "a dot 100 mm long and a thousandth wide"),
+    "vast.svg": (svg('<path d="M0 0C1e150 1 2 2e150 3e150 3C2 -2e150 1 -1e150 0 0Z"/>'), "a dot whose area is beyond all numbers"),
     "twice.svg": (svg('<path d="M1 0C1 1 0 1 0 0C0 -1 1 -1 1 0ZM3 3C4 4 2 4 3 3Z"/>'), "two outlines in one path"),
     "notes.svg": (svg(f"<metadata><library>{{not JSON</library></metadata>{DOT}"), "notes that are not JSON"),
     "list.svg": (svg(f"<metadata><library>[1, 2]</library></metadata>{DOT}"), "notes that are a list"),

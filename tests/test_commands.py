@@ -159,7 +159,7 @@ PLACED = [
     ("--paper a5", (210, 148), (157.333, 118), "auto turns A5 to suit a picture that is wider than high"),
     ("--paper a5 --orientation portrait", (148, 210), (118, 88.5), "held upright, 15 mm of white all round"),
     ("--paper a5 --orientation landscape", (210, 148), (157.333, 118), "lying"),
-    ("--paper 148x210mm --margin 0mm", (210, 148), (197.333, 148), "by its sides, and no white at all"),
+    ("--paper 148x210mm --margin 0mm", (148, 210), (148, 111), "a paper given by its sides is not turned; and no white at all"),
     ("--paper letter --orientation portrait", (215.9, 279.4), (185.9, 139.425), "in inches, and in mm all the same"),
     ("--paper 60x50mm --margin 5mm", (60, 50), (50, 37.5), "all the room"),
     ("--paper 60x50mm --margin 5mm --width 20mm", (60, 50), (20, 15), "width gives height"),
@@ -200,7 +200,7 @@ def test_a_crop_draws_that_part_alone(run):
     name = picture(half, "half.png")
     assert "no ink" in run(name, "out.svg", *QUICK, "--crop", "0.5,0,0.5,1").err
     left = reported(run, name, "out.svg", *QUICK, "--crop", "0,0,0.5,1")
-    assert left["ink_asked_mm2"] == pytest.approx(50 * 50 * 20 / 30)  # upright, 50 mm high and two thirds as wide, all black
+    assert left["ink_asked_mm2"] == pytest.approx(40 * 40 * 20 / 30)  # 40 mm high and two thirds as wide, all black
 
 
 def test_a_canvas_is_laid_over_the_picture_and_keeps_the_dots_in(run):

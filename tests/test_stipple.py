@@ -82,16 +82,20 @@ def nearest_gap(sheet: Sheet) -> float:
     return float(shapely.distance(outlines[first[pairs]], outlines[second[pairs]]).min())
 
 
-def test_min_gap_parts_all_outlines_and_says_what_it_cost():
-    tone = ramp(30.0, 20.0, high=0.6)
-    plain, parted = stipple(tone, pen=PEN), stipple(tone, pen=PEN, min_gap=0.08)
-    assert nearest_gap(plain) < 0.01  # there is something to part
-    assert nearest_gap(parted) >= 0.08 - 2 * UM  # the size of each dot is rounded to a micrometre
-    assert parted.report["removed_for_gap"] == len(plain.marks) - len(parted.marks) > 0
-    assert parted.report["ink_placed_mm2"] < plain.report["ink_placed_mm2"]
-    asked = parted.report["ink_asked_mm2"]
-    assert parted.report["coverage_missing"] == pytest.approx(1 - parted.report["ink_placed_mm2"] / asked, abs=1e-12)  # one division
-    assert any("ink" in warning for warning in parted.report["warnings"])
+@pytest.mark.parametrize("dots", [None, 4000], ids=["as many as will do", "too many"])
+def test_min_gap_parts_all_outlines_and_says_what_it_cost(dots):
+    tone = ramp(30.0, 20.0, low=0.1, high=0.6)
+    assert nearest_gap(stipple(tone, pen=PEN, dots=dots)) < 0.01  # there is something to part
+    planned = next(crowquill.steps("stipple", tone, pen=PEN, dots=dots, min_gap=0.08)).facts["dots"]
+    sheet = stipple(tone, pen=PEN, dots=dots, min_gap=0.08)
+    assert nearest_gap(sheet) >= 0.08 - 2 * UM  # the size of each dot is rounded to a micrometre
+    report = sheet.report
+    assert report["marks"] + report["removed_for_gap"] == planned and report["removed_on_white"] == 0
+    assert report["removed_for_gap"] > (200 if dots else 0)
+    assert report["ink_asked_mm2"] == pytest.approx(tone.ink)
+    missing = 1 - report["ink_placed_mm2"] / tone.ink
+    assert report["coverage_missing"] == pytest.approx(missing, abs=1e-9) and missing > 0.1  # one division
+    assert any("ink" in warning for warning in report["warnings"])
 
 
 LIGHT = Tone(np.full((30, 40), 0.2), (40.0, 30.0))  # so light that dots do not overlap: their areas sum to the ink

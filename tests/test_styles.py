@@ -49,7 +49,7 @@ DEGENERATE = {
     "one pixel of ink in the corner": Tone(spot(PIXELS, (29, 39)), SIZE),
     "a thin ring": Tone(((DISTANCE > 10) & (DISTANCE < 11.5)).astype(float), SIZE),
     "pixels black and white by turns": Tone(np.indices(PIXELS).sum(axis=0) % 2.0, SIZE),
-    "one row of 400 pixels on 100 mm by a quarter": Tone(np.full((1, 400), 0.3), (100.0, 0.25)),
+    "one row of 400 pixels on 100 mm by a third": Tone(np.full((1, 400), 0.3), (100.0, 0.35)),
     "one column of 400 pixels on 1 mm by 100": Tone(np.full((400, 1), 0.3), (1.0, 100.0)),
     "a round canvas": Tone(COARSE, SIZE, shapely.Point(10, 7.5).buffer(7)),
     "a ring of canvas": Tone(COARSE, SIZE, shapely.Point(10, 7.5).buffer(7) - shapely.Point(10, 7.5).buffer(6)),

@@ -197,27 +197,23 @@ def _laid_out(
     **light: Any,
 ) -> tuple[tuple[float, float], Tone]:
     """The paper in its orientation and the tone in its size."""
-    from crowquill.sheet import turned
+    from crowquill.sheet import check_fit, turned
     from crowquill.tone import Tone
     from crowquill.vector import canvas as outline
     from crowquill.vector import contents
 
-    size = units.paper(paper)
+    units.paper(paper)
     if margin < 0:
         raise ValueError(f"margin is {margin:g} mm; it takes 0 or more")
     with _silence():
         tone = Tone.load(picture, **light)
     art = (width, height) if width and height and fit != "contain" else tone.size
-    size = turned(size, art, orientation)
+    size = turned(paper, art, orientation)
     room = (size[0] - 2 * margin, size[1] - 2 * margin)
     if min(room) <= 0:
         raise ValueError(f"a margin of {margin:g} mm leaves no room on a paper of {size[0]:g} x {size[1]:g} mm; make it smaller")
     tone = tone.fitted(width, height, fit) if width is not None or height is not None else tone.fitted(*room, fit)
-    if tone.size[0] > room[0] + 1e-9 or tone.size[1] > room[1] + 1e-9:
-        raise ValueError(
-            f"a drawing of {tone.size[0]:g} x {tone.size[1]:g} mm does not fit a paper of {size[0]:g} x {size[1]:g} mm "
-            f"with a margin of {margin:g} mm; make it smaller, or the paper larger"
-        )
+    check_fit(tone.size, size, margin)
     if canvas is not None:
         shape = outline(contents(canvas), str(canvas), tone.size)
         try:

@@ -139,6 +139,13 @@ class Paths:
             counts[filled] += 1
         return Paths(xy, np.concatenate([[0], np.cumsum(counts)]), self.closed)
 
+    def curved(self) -> Paths:
+        """The same closed paths as cubics; straight sides become cubics along the same line."""
+        if self.cubic or not self.closed:
+            return self
+        a, b, c, _, _ = self._curves()
+        return Paths(np.stack([a, b, c], axis=1).reshape(-1, 2), self.start * 3, True, True)
+
     def green(self) -> Array:
         """The integrals of 1, x, y, xx, xy, yy inside each closed path, about its own first point: (n, 6).
 

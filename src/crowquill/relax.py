@@ -55,7 +55,7 @@ def scatter(tone: Tone, n: int, rng: np.random.Generator, how: str = "even") -> 
     if n == 0 or not tone.ink > 0:
         return np.zeros((0, 2))
     if how == "halftone":
-        return _halftoned(tone, n)
+        return _halftoned(tone, n, rng)
     split = int(np.ceil(np.sqrt(max(1.0, PIXELS_A_SITE * n / tone.coverage.size))))
     if split > 1:
         finer: Array = np.kron(tone.coverage, np.ones((split, split))).astype(np.float64)
@@ -148,7 +148,7 @@ def _placed(tone: Tone, pixel: Index, size: Array, rng: np.random.Generator) -> 
     return sites
 
 
-def _halftoned(tone: Tone, n: int) -> Array:
+def _halftoned(tone: Tone, n: int, rng: np.random.Generator) -> Array:
     """Sites on the grid that comes nearest to n: each next one is as much finer as the last was short of it."""
     area = tone.size[0] * tone.size[1]
     best, cells_wanted = np.zeros((0, 2)), min(float(n), SQUARES * tone.ink / area)
@@ -164,7 +164,7 @@ def _halftoned(tone: Tone, n: int) -> Array:
     if len(best):
         return best
     darkest = np.unravel_index(np.argmax(tone.coverage * tone.inside), tone.coverage.shape)
-    return _placed(tone, np.array([darkest[::-1]]), np.array(tone.pixel), np.random.default_rng(0))
+    return _placed(tone, np.array([darkest[::-1]]), np.array(tone.pixel), rng)
 
 
 def _black_pixels(tone: Tone, pitch: float) -> Array:

@@ -12,8 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from crowquill.paths import Array, Index, Paths, frozen
-from crowquill.units import UM, paper
+from crowquill.units import PAPERS, UM, paper
 
+THIN = 1e-4  # area over the square of the length: below, a shape is a hair, and its area may be rounding
 TURN_STEPS = 65536  # angles are kept to this part of a turn: 1.4e-5 mm at the rim of a 0.3 mm dot
 
 
@@ -50,8 +51,8 @@ class Glyph:
         """
         m = outline.green().sum(axis=0) if len(outline) == 1 and outline.closed else np.zeros(6)
         extent = np.ptp(outline.xy, axis=0).max() if len(outline.xy) else 0.0
-        if not abs(m[0]) > 1e-12 * extent**2:  # a line's area is rounding
-            raise ValueError("a glyph takes one closed outline with an area over 0")
+        if not abs(m[0]) > THIN * extent**2:
+            raise ValueError("its shape is no dot; a glyph takes one closed outline with an area over 0")
         x, y = m[1:3] / m[0]
         xx, xy, yy = m[3] / m[0] - x * x, m[4] / m[0] - x * y, m[5] / m[0] - y * y
         long = 0.5 * np.arctan2(2 * xy, xx - yy)
@@ -207,18 +208,14 @@ class Sheet:
     def on(self, page: str | tuple[float, float], *, margin: float = 15.0, orientation: str = "auto") -> Sheet:
         """The same drawing in the middle of a paper, by name or (width, height) mm.
 
-        orientation is auto (turned to suit the drawing), portrait or landscape. Raises
-        ValueError where the drawing does not fit inside the margin.
+        orientation is auto (a paper with a name is turned to suit the drawing, a size stays as it
+        is), portrait or landscape. Raises ValueError where the drawing does not fit inside the margin.
         """
         if not 0 <= margin < np.inf:
             raise ValueError(f"margin is {margin} mm; it takes a length of 0 or more")
-        size = turned(paper(page) if isinstance(page, str) else page, self.size, orientation)
-        (width, height), room = self.size, [side - 2 * margin for side in size]
-        if width > room[0] + UM or height > room[1] + UM:
-            raise ValueError(
-                f"a drawing of {width:g} x {height:g} mm does not fit a paper of {size[0]:g} x {size[1]:g} mm "
-                f"with a margin of {margin:g} mm; make it smaller, or the paper larger"
-            )
+        size = turned(page, self.size, orientation)
+        (width, height) = self.size
+        check_fit(self.size, size, margin)
         offset = _whole(np.array([(size[0] - width) / 2, (size[1] - height) / 2]))
         layers = tuple(replace(layer, art=_shifted(layer.art, offset)) for layer in self.layers)
         recipe = {**self.recipe, "paper_mm": list(size), "art_mm": [width, height], "art_at_mm": offset.tolist()}
@@ -244,15 +241,26 @@ def check_bar(x: float, y: float, length: float = 10.0) -> Layer:
     return Layer(Ink(), Paths.of(rings), f"check bar {length:g} mm")
 
 
-def turned(page: tuple[float, float], art: tuple[float, float], orientation: str) -> tuple[float, float]:
-    """The paper's sides in the orientation asked for; auto suits the art, and leaves a square one's paper alone."""
-    short, long = sorted(page)
+def turned(page: str | tuple[float, float], art: tuple[float, float], orientation: str) -> tuple[float, float]:
+    """The sides of a paper in the orientation asked for; auto turns one with a name to suit the art, unless that is square."""
+    size = paper(page) if isinstance(page, str) else (float(page[0]), float(page[1]))
+    short, long = sorted(size)
     if orientation == "auto":
-        orientation = "as it is" if art[0] == art[1] else "landscape" if art[0] > art[1] else "portrait"
-    sides = {"portrait": (short, long), "landscape": (long, short), "as it is": page}
+        named = isinstance(page, str) and page.strip().lower() in PAPERS
+        orientation = "as it is" if art[0] == art[1] or not named else "landscape" if art[0] > art[1] else "portrait"
+    sides = {"portrait": (short, long), "landscape": (long, short), "as it is": size}
     if orientation not in sides:
         raise ValueError(f"no orientation {orientation!r}; there are auto, landscape, portrait")
     return sides[orientation]
+
+
+def check_fit(art: tuple[float, float], size: tuple[float, float], margin: float) -> None:
+    """Raises ValueError where a drawing does not go on a paper inside a margin, all in mm."""
+    if art[0] > size[0] - 2 * margin + UM or art[1] > size[1] - 2 * margin + UM:
+        raise ValueError(
+            f"a drawing of {art[0]:.6g} x {art[1]:.6g} mm does not fit a paper of {size[0]:g} x {size[1]:g} mm "
+            f"with a margin of {margin:g} mm; make it smaller, or the paper larger"
+        )
 
 
 def _whole(values: Array) -> Array:

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, BinaryIO
+from typing import BinaryIO, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +20,8 @@ TONES = ("auto", "linear", "grey")
 FITS = ("contain", "cover", "stretch")
 WIDTH = 180.0  # mm of a picture of which nothing is said: A4 less its margins
 REACH = 0.95  # the darkest coverage tone="auto" asks for: what dots still reach without closing up
-Source = str | os.PathLike[str] | BinaryIO | npt.NDArray[Any]
+File = str | os.PathLike[str] | BinaryIO
+Source = File | npt.ArrayLike
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +85,8 @@ class Tone:
         local_contrast  0 to 1, how much of the difference to the surroundings is added (unsharp, 2 % of the width)
         canvas          polygon in mm to draw in; None is the whole rectangle
 
-        Transparent pixels lie on white, EXIF turns the picture upright, NaN in a float TIFF is no ink.
+        Transparent pixels lie on white, EXIF turns the picture upright. A float TIFF is scaled by its
+        finite range, whatever the tone; NaN in it is no ink.
         Raises ValueError for what is not a picture, OSError for what cannot be read.
         """
         if tone not in TONES:
@@ -93,11 +95,13 @@ class Tone:
             raise ValueError(f"gamma is {gamma}; it takes a number over 0, up to 10")
         if not 0 <= local_contrast <= 1:
             raise ValueError(f"local contrast is {local_contrast}; it takes 0 to 1")
-        if isinstance(source, np.ndarray):
-            coverage = _cropped(np.asarray(source, np.float64), crop)
-        else:
-            light = _cropped(decoded(source, max_pixels), crop)
+        if isinstance(source, (str, os.PathLike)) or hasattr(source, "read"):
+            light = _cropped(decoded(cast(File, source), max_pixels), crop)
             coverage = _coverage(light, tone, black_point, white_point)
+        else:
+            if black_point is not None or white_point is not None:
+                raise ValueError("an array is coverage itself and has no black or white point; leave them out")
+            coverage = _cropped(np.asarray(source, np.float64), crop)
         if local_contrast:
             coverage = _sharpened(coverage, local_contrast)
         if invert:
@@ -248,7 +252,7 @@ def _coverage(code: Array, tone: str, black: float | None, white: float | None) 
     low, high = 0.0, 1.0
     if tone == "auto":  # the extremes of a photograph are noise; a picture of one tone keeps its tone
         low, high = np.percentile(value, [0.5, 99.5])
-        low, high = (low, high) if high - low > 0.05 else (0.0, 1.0)
+        low, high = (low, high) if high - low > 0.02 else (0.0, 1.0)
     low = low if black is None else float(rule(np.array(black)))
     high = high if white is None else float(rule(np.array(white)))
     if not low < high:

@@ -19,7 +19,10 @@ from crowquill.units import INCH
 LIMIT = 512 * 2**20  # bytes; ten million dots of our own stay below
 DEPTH = 200  # nested elements
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+SHAPES = {"svg", "rect", "circle", "ellipse", "line", "polygon", "polyline", "path", "use"}
+UNDRAWN = {"symbol", "marker", "mask", "pattern", "clipPath"}  # drawn where others name them, not where they stand
 COPIES = 1_000_000
+FURTHEST = 1e6  # mm
 SIZES = {"r", "rx", "ry", "width", "height"}
 LENGTHS = {"x", "y", "x1", "y1", "x2", "y2", "cx", "cy", "r", "rx", "ry", "width", "height"}
 HIDDEN = (("display", "none"), ("visibility", "hidden"))
@@ -76,7 +79,7 @@ def shapes(data: bytes, name: str) -> tuple[tuple[float, float], list[tuple[Path
 
     every = list(elements(data, name))
     for element in every:
-        for key in LENGTHS & set(element.attrib):
+        for key in LENGTHS & set(element.attrib) if local(element) in SHAPES else ():
             length = re.fullmatch(rf"\s*({NUMBER})\s*(mm|cm|in|pt|pc|px|%)?\s*", element.get(key))
             if not length or (key in SIZES and float(length[1]) < 0):
                 raise ValueError(f"{name}: {key}={element.get(key)[:40]!r} is not a length; mend it")
@@ -84,16 +87,32 @@ def shapes(data: bytes, name: str) -> tuple[tuple[float, float], list[tuple[Path
         raise ValueError(f"{name}: its shapes are used over {COPIES} times; save it as plain SVG without copies")
     found: list[tuple[Paths, Any]] = []
     try:
-        svg = svgelements.SVG.parse(io.BytesIO(data), ppi=96)
+        svg = svgelements.SVG.parse(io.BytesIO(_put_away(every)), ppi=96)
         size = (float(svg.width or 0) * PX, float(svg.height or 0) * PX)
         for shape in svg.elements():
             if isinstance(shape, svgelements.Shape) and not any(shape.values.get(key) == value for key, value in HIDDEN):
                 path = abs(svgelements.Path(shape))
                 path.approximate_arcs_with_cubics()
                 found += [(paths, shape) for paths in _subpaths(path)]
+        for paths, _ in found:
+            if np.abs(paths.xy).max(initial=0.0) > FURTHEST:
+                raise ValueError("it lies over a kilometre off")
     except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
         raise ValueError(f"{name}: a shape in it cannot be read ({_cause(error)}); save it as plain SVG") from None
     return size, found
+
+
+def _put_away(every: list[Any]) -> bytes:
+    """The file with all that is not drawn where it stands in <defs>, as it should be."""
+    root = every[0]
+    space = root.tag[: root.tag.rfind("}") + 1]
+    aside = ElementTree.Element(f"{space}defs")
+    for parent in every:
+        for child in [child for child in parent if local(child) in UNDRAWN]:
+            parent.remove(child)
+            aside.append(child)
+    root.append(aside)
+    return ElementTree.tostring(root)
 
 
 def _copies(element: Any, named: dict[str, Any], known: dict[int, float]) -> float:

@@ -7,7 +7,7 @@ import hashlib
 import importlib
 import io
 import os
-import tempfile
+import secrets
 from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.metadata import entry_points
@@ -59,13 +59,14 @@ def replace_files(plan: Sequence[tuple[Path, Callable[[BinaryIO], object]]]) -> 
             path = Path(os.path.realpath(given))  # a link stays one, and what it names is replaced
             _clear(path)
             try:
-                handle, name = tempfile.mkstemp(prefix=f"{_mark(path)}{os.getpid()}.", suffix=PART, dir=path.parent)
-                done.append((name, path))
-                with os.fdopen(handle, "wb") as file:
+                name = str(path.parent / f"{_mark(path)}{os.getpid()}.{secrets.token_hex(6)}{PART}")
+                with open(name, "xb") as file:  # noqa: PTH123
+                    done.append((name, path))
                     fill(file)
                     file.flush()
                     os.fsync(file.fileno())
-                Path(name).chmod(_mode(path))
+                if path.exists():
+                    Path(name).chmod(path.stat().st_mode & 0o777)
             except OSError as error:
                 raise OSError(error.errno, error.strerror or str(error), str(given)) from error
         while done:
@@ -127,20 +128,12 @@ def load(source: str | os.PathLike[str] | BinaryIO) -> Sheet:
 def module(format: str, target: str) -> Any:
     """The module of a format, or a ValueError that names those there are."""
     if format not in names():
-        raise ValueError(f"{target}: no format {format!r}; there are {', '.join(names())}")
+        wish = "" if format else "; give a suffix, or format= with an open file"
+        raise ValueError(f"{target}: no format {format!r}; there are {', '.join(names())}{wish}")
     for entry in entry_points(group="crowquill.formats"):
         if entry.name == format:
             return entry.load()
     return importlib.import_module(f"crowquill.formats.{format}")
-
-
-def _mode(path: Path) -> int:
-    """The mode a plain open() would give, or the one the older file has."""
-    if path.exists():
-        return path.stat().st_mode & 0o777
-    mask = os.umask(0o022)
-    os.umask(mask)
-    return 0o666 & ~mask
 
 
 def _mark(path: Path) -> str:

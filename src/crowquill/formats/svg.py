@@ -20,7 +20,7 @@ import svgwrite.path
 from crowquill.formats._text import chunks, number, svg_path
 from crowquill.paths import Array, Paths
 from crowquill.sheet import TURN_STEPS, Glyph, Ink, Layer, Marks, Sheet
-from crowquill.vector import elements, local, shapes
+from crowquill.vector import PX, elements, local, shapes
 
 SCHEMA = 1  # of the metadata; a reader refuses a newer one
 SPACE = "urn:crowquill:drawing"
@@ -203,7 +203,7 @@ def _unpacked(about: dict[str, Any], table: bytes) -> Sheet:
             art = Paths(np.stack([x, y], axis=1) / 1000, start, entry["closed"], entry["cubic"])
         ink = entry["ink"]
         layers.append(Layer(Ink(ink["name"], tuple(ink["cmyk"]), ink["pen"]), art, entry["name"]))
-    return Sheet(tuple(about["size_mm"]), tuple(layers), about["recipe"])
+    return Sheet(tuple(about["size_mm"]), tuple(layers), about["recipe"], {"warnings": []})
 
 
 def _from_geometry(data: bytes, name: str, about: dict[str, Any]) -> Sheet:
@@ -211,7 +211,7 @@ def _from_geometry(data: bytes, name: str, about: dict[str, Any]) -> Sheet:
     size, found = shapes(data, name)
     layers = []
     for paths, shape in found:
-        pen = None if shape.fill is not None and shape.fill.value is not None else float(shape.stroke_width or 0) * 25.4 / 96
+        pen = None if shape.fill is not None and shape.fill.value is not None else float(shape.stroke_width or 0) * PX
         colour = shape.fill if pen is None else shape.stroke
         if colour is None or colour.value is None or pen == 0:
             continue

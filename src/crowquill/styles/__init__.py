@@ -10,6 +10,8 @@ import difflib
 import importlib
 import inspect
 import math
+import numbers
+import os
 import typing
 from collections.abc import Callable, Generator
 from dataclasses import dataclass, replace
@@ -66,13 +68,15 @@ class Knob:
             if value not in self.takes.names:
                 raise ValueError(f"no {self.name} {value!r}; there are {', '.join(self.takes.names)}")
         elif isinstance(self.takes, Range):
-            number = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+            number = isinstance(value, numbers.Real) and not isinstance(value, bool) and math.isfinite(value)
             if not number or not self.takes.low <= value <= self.takes.high or (self.whole and value != int(value)):
                 kind = "whole number" if self.whole else "number"
                 unit = f" {self.takes.unit}" if self.takes.unit else ""
                 raise ValueError(f"{self.name} is {value!r}; it takes a {kind} from {self.takes.low:g} to {self.takes.high:g}{unit}")
             return int(value) if self.whole else float(value)
-        return value
+        elif not isinstance(value, (str, os.PathLike)):
+            raise ValueError(f"{self.name} is {value!r}; it takes a name or a path")
+        return os.fspath(value)
 
 
 def names() -> list[str]:
@@ -125,10 +129,10 @@ def steps(name: str, tone: Tone, *, seed: int = 0, **values: Any) -> Work:
         if key not in takes:
             near = difflib.get_close_matches(key, takes, 1)
             raise ValueError(f"style {name} has no knob {key!r}; {f'did you mean {near[0]}?' if near else 'there are ' + ', '.join(takes)}")
-    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+    if isinstance(seed, bool) or not isinstance(seed, numbers.Integral) or seed < 0:
         raise ValueError(f"seed is {seed!r}; it takes a whole number, 0 or more")
     chosen = {key: knob.checked(values.get(key, knob.default)) for key, knob in takes.items()}
-    return _recorded(name, tone, seed, chosen)
+    return _recorded(name, tone, int(seed), chosen)
 
 
 def _recorded(name: str, tone: Tone, seed: int, chosen: dict[str, Any]) -> Work:

@@ -9,7 +9,6 @@ T. Strothotte, Floating Points, Eurographics 2000.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -37,14 +36,14 @@ RENDERED = np.array([0.0, 0.2001, 0.3998, 0.5004, 0.5998, 0.6971, 0.7847, 0.8581
 class Plan:
     """How many dots of what diameter, and where they are wanted.
 
-    asked   the tone after the white rule
     demand  where dots go, as a tone: coverage before overlap, over its largest possible value
     white   (h, w) pixels that must stay free of dots
+    ink     mm^2 asked for, that on white not counted
     """
 
-    asked: Tone
     demand: Tone
     white: npt.NDArray[np.bool_]
+    ink: float
     pen: float
     dots: int
 
@@ -66,18 +65,19 @@ def draw(
     min_gap: Annotated[float, Range(0, 100, "mm", "least white between dots; nearer ones are left out")] = 0.0,
     max_dots: Annotated[int, Range(1, 100_000_000, "", "refuse to draw more")] = 2_000_000,
 ) -> Work:
-    """A sheet the tone's size with one layer of black dots; none on white, none outside the canvas.
+    """A sheet the tone's size with one layer of black dots; the centre of none on white or outside the canvas.
 
     pen and dots    either gives the other by the tone's ink; both fix both and let the tone give; neither
-                    is a 0.3 mm pen
+                    is a 0.3 mm pen, or one as fine as the canvas is narrow
     ink             the union of the dots covers what is asked up to 0.97, because the number of
                     dots makes up for their overlap; the report has `coverage_missing`
+    min_gap         asks for no more coverage than dots so far apart can give, so that tone still rises with tone
     no ink          an empty sheet and a warning. Raises ValueError for more than max_dots, and
                     for a pen wider than the canvas
     """
     clock = Clock()
     library = libraries.load(glyphs)
-    plan = planned(tone, pen=pen, dots=dots, white=white, white_rule=white_rule, max_dots=max_dots)
+    plan = planned(tone, pen=pen, dots=dots, white=white, white_rule=white_rule, min_gap=min_gap, max_dots=max_dots)
     yield Step("plan", 0, 1, {"dots": plan.dots, "pen_mm": plan.pen, "seconds": expected_seconds(plan.dots, iterations)})
     chance = rng.spawn(2)
     sites = relax.scatter(plan.demand, plan.dots, chance[0], start)
@@ -99,7 +99,7 @@ def draw(
     ink = measure.ink(marks)
     clock.lap("measure")
     report = {
-        **_found(plan, len(marks), ink),
+        **_found(plan, len(sites), len(marks), ink),
         "removed_on_white": int(len(sites) - kept.sum()),
         "removed_for_gap": len(placed) - len(marks),
         "iterations": done,
@@ -112,14 +112,18 @@ def draw(
     return Sheet(tone.size, (Layer(Ink(), marks),), report=report)
 
 
-def _found(plan: Plan, marks: int, ink: float) -> dict[str, Any]:
+def _found(plan: Plan, sites: int, marks: int, ink: float) -> dict[str, Any]:
     """What is reported of dots and ink, and what is to be said of it."""
-    asked, warnings = plan.asked.ink, []
+    asked, warnings = plan.ink, []
     missing = max(0.0, 1 - ink / asked) if asked else 0.0
-    if not plan.dots:
+    if not asked:
         warnings.append("no ink: the picture is white, or lighter than the white cutoff, where it may be drawn on")
+    elif not plan.dots:
+        warnings.append(f"no dots: all the ink is less than half a dot of {plan.pen:.4g} mm; a finer pen would draw it")
     elif missing > 0.02:
         warnings.append(f"{missing:.1%} of the ink asked for is not reached; a wider pen, more dots or lighter tones would help")
+    if sites != plan.dots:
+        warnings.append(f"this start gave {sites} dots in place of {plan.dots}; --start even gives any number")
     return {
         "marks": marks,
         "pen_mm": plan.pen,
@@ -155,7 +159,7 @@ def expected_seconds(dots: int, iterations: int) -> float:
     return round(unit * dots / 100_000 * (0.35 * (iterations + 1) + 3) + 1, 1)
 
 
-def planned(tone: Tone, *, pen: float | None, dots: int | None, white: float, white_rule: str, max_dots: int) -> Plan:
+def planned(tone: Tone, *, pen: float | None, dots: int | None, white: float, white_rule: str, min_gap: float, max_dots: int) -> Plan:
     """How many dots of what diameter the tone takes, before any is placed."""
     blank = tone.coverage < white
     asked = tone
@@ -163,14 +167,14 @@ def planned(tone: Tone, *, pen: float | None, dots: int | None, white: float, wh
         asked = tone.mapped(lambda c: np.where(blank, 0.0, c))
         blank = blank | (asked.coverage == 0)
     across = float(np.diff(np.array(shapely.bounds(tone.canvas)).reshape(2, 2), axis=0).min())
-    width = PEN if pen is None else pen
+    width = min(PEN, across) if pen is None else pen
     if pen is not None and pen > across:
         raise ValueError(f"a pen of {pen:g} mm is wider than the canvas of {across:.4g} mm; use a finer pen")
     if dots is not None and pen is None:  # two rounds: how wide a dot is decides how far around it tone is looked at
         for _ in range(2):
-            ink = _demand(asked, width).ink * NOMINAL[-1]
+            ink = _demand(asked, width, _cap(width, min_gap)).ink * NOMINAL[-1]
             width = min(across, 2 * float(np.sqrt(ink / (np.pi * dots)))) if ink else PEN
-    demand = _demand(asked, width)
+    demand = _demand(asked, width, _cap(width, min_gap))
     ink = demand.ink * NOMINAL[-1]
     wanted = round(ink / (np.pi * width**2 / 4)) if dots is None else dots if ink else 0
     if wanted > max_dots:
@@ -178,10 +182,19 @@ def planned(tone: Tone, *, pen: float | None, dots: int | None, white: float, wh
             f"the picture takes {wanted} dots of {width:g} mm, over the limit of {max_dots}; "
             "draw it smaller, use a wider pen, or raise max-dots"
         )
-    return Plan(asked, demand, blank, width, wanted)
+    return Plan(demand, blank, tone.mapped(lambda c: np.where(blank, 0.0, c)).ink, width, wanted)
 
 
-def _demand(asked: Tone, pen: float) -> Tone:
+def _cap(pen: float, gap: float) -> float:
+    """The greatest coverage to ask for.
+
+    Dots that must stay apart cover less: relaxed ones of this width and more than 0.46 of the paper begin to
+    break the gap. That many would have to go again, most of them where it is darkest.
+    """
+    return min(CAP, 0.46 * (pen / (pen + gap)) ** 2) if gap else CAP
+
+
+def _demand(asked: Tone, pen: float, cap: float) -> Tone:
     """Coverage before overlap, over its largest value.
 
     How much dots overlap follows the tone around a dot, not under one pixel: fine texture
@@ -190,9 +203,9 @@ def _demand(asked: Tone, pen: float) -> Tone:
     from scipy.ndimage import gaussian_filter
 
     sigma = [pen / side for side in reversed(asked.pixel)]
-    around = np.clip(gaussian_filter(np.minimum(asked.coverage, CAP), sigma, mode="nearest", truncate=3.0), 1e-6, CAP)
+    around = np.clip(gaussian_filter(np.minimum(asked.coverage, cap), sigma, mode="nearest", truncate=3.0), 1e-6, cap)
     swell = np.interp(around, RENDERED, NOMINAL) / around
-    return asked.mapped(lambda c: np.clip(np.minimum(c, CAP) * swell / NOMINAL[-1], 0, 1))
+    return asked.mapped(lambda c: np.clip(np.minimum(c, cap) * swell / NOMINAL[-1], 0, 1))
 
 
 def _snapped(sites: Array, tone: Tone, white: npt.NDArray[np.bool_]) -> tuple[Array, npt.NDArray[np.bool_]]:
@@ -239,14 +252,9 @@ def _apart(marks: Marks, gap: float) -> npt.NDArray[np.bool_]:
     near = np.hypot(*(marks.xy[pairs[:, 0]] - marks.xy[pairs[:, 1]]).T) < reach[pairs].sum(axis=1) + gap
     pairs = pairs[near]
     crowd = np.bincount(pairs.ravel(), minlength=len(marks))
-    for i, j in _by_crowd(pairs, crowd):
+    pairs = np.sort(pairs, axis=1)
+    order = np.lexsort((pairs[:, 1], pairs[:, 0], -crowd[pairs].max(axis=1)))
+    for i, j in pairs[order].tolist():
         if stay[i] and stay[j]:
             stay[j if crowd[j] >= crowd[i] else i] = False
     return stay
-
-
-def _by_crowd(pairs: npt.NDArray[np.int64], crowd: npt.NDArray[np.int64]) -> Iterator[list[int]]:
-    """Pairs i < j, the most crowded first, else in order."""
-    pairs = np.sort(pairs, axis=1)
-    order = np.lexsort((pairs[:, 1], pairs[:, 0], -crowd[pairs].max(axis=1)))
-    return iter(pairs[order].tolist())
