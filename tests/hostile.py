@@ -58,7 +58,7 @@ PICTURES: dict[str, tuple[bytes, str]] = {
     "cut.tif": (TIFF[: len(TIFF) // 2], "half a scan"),
     "cut.webp": (WEBP[: len(WEBP) // 2], "half a picture off the web"),
     "cut.gif": (GIF[: len(GIF) // 2], "half a cartoon"),
-    "box.jp2": (JP2[:19] + b"\x80" + JP2[20:], "a box that says it is longer than it is"),
+    "box.jp2": (JP2[:15] + b"\x01" + JP2[16:], "a box of 7 million TB by its own word"),
     "packed.tif": (PACKED[:200] + bytes(200) + PACKED[400:], "a packed scan with a hole in it"),
     "head.png": (GOOD[:8], "a signature alone"),
     "crc.png": (GOOD[:29] + bytes(4) + GOOD[33:], "a header whose checksum is wrong"),

@@ -233,6 +233,14 @@ def test_a_flat_grey_asks_for_the_ink_its_tone_says(run, options, coverage, stor
     assert report["ink_asked_mm2"] == pytest.approx(coverage * 50 * 37.5, rel=1e-9), story
 
 
+def test_what_is_not_a_number_in_a_float_picture_is_white(run):
+    values = np.repeat(np.float32([[0, 1]]), 20, axis=1).repeat(30, axis=0)
+    values.view(np.uint32)[0, 0] = 0x7F800001  # a signalling one, at which processors complain
+    Image.fromarray(values).save("float.tif")
+    report = reported(run, "float.tif", "out.svg", *QUICK)
+    assert report["ink_asked_mm2"] == pytest.approx(599 / 1200 * 50 * 37.5)
+
+
 def test_the_limit_of_pixels_can_be_raised_and_lowered(run):
     assert run("ramp.png", "out.svg", *QUICK, "--max-pixels", "1199").code == 2
     assert run("ramp.png", "out.svg", *QUICK, "--max-pixels", "1200").code == 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 import errno
 import gc
 import json
@@ -12,7 +13,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -28,6 +28,7 @@ pytestmark = pytest.mark.soak
 
 KILLS = 200
 DRAWINGS = 60
+OPEN = open  # as it is before it is made to fail
 PATIENCE = 120  # s, a guard against a hang
 QUICK = ("--paper", "60x50mm", "--margin", "5mm", "--tone", "grey", "--pen", "0.5mm", "--iterations", "2")
 # draws over the same files again and again, in two seeds by turns, and says so when the first drawing is done
@@ -98,10 +99,12 @@ class Faulty:
 
 
 def failing(call: Callable[..., Any], at: int, error: OSError, *, writes: bool = False) -> Callable[..., Any]:
-    """The same call, but that its `at`-th use raises, or gives a file that cannot be written."""
+    """The same call, but that its `at`-th use raises, or gives a file that cannot be written; reading a file is no use."""
     uses = iter(range(1, 1_000_000))
 
     def called(*arguments: Any, **options: Any) -> Any:
+        if call is OPEN and arguments[1:2] != ("xb",):
+            return call(*arguments, **options)
         broken = next(uses) == at
         if broken and not writes:  # the system's own error has the first path that was given
             raise OSError(error.errno, error.strerror, *[str(path) for path in arguments[:1] if isinstance(path, (str, Path))])
@@ -112,8 +115,8 @@ def failing(call: Callable[..., Any], at: int, error: OSError, *, writes: bool =
 
 
 CALLS = {
-    "make": (tempfile, "mkstemp"),
-    "write": (os, "fdopen"),
+    "make": (builtins, "open"),
+    "write": (builtins, "open"),
     "sync": (os, "fsync"),
     "mode": (Path, "chmod"),
     "rename": (os, "replace"),

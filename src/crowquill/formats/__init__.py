@@ -8,7 +8,7 @@ import importlib
 import io
 import os
 import secrets
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -53,29 +53,38 @@ def replace_files(plan: Sequence[tuple[Path, Callable[[BinaryIO], object]]]) -> 
 
     An OSError names the path it happened to.
     """
-    done: list[tuple[str, Path]] = []
+    done: list[tuple[str, Path, Path]] = []
     try:
         for given, fill in plan:
             path = Path(os.path.realpath(given))  # a link stays one, and what it names is replaced
             _clear(path)
-            try:
-                name = str(path.parent / f"{_mark(path)}{os.getpid()}.{secrets.token_hex(6)}{PART}")
+            name = str(path.parent / f"{_mark(path)}{os.getpid()}.{secrets.token_hex(6)}{PART}")
+            with _named(given):
                 with open(name, "xb") as file:  # noqa: PTH123
-                    done.append((name, path))
+                    done.append((name, path, given))
                     fill(file)
                     file.flush()
                     os.fsync(file.fileno())
                 if path.exists():
                     Path(name).chmod(path.stat().st_mode & 0o777)
-            except OSError as error:
-                raise OSError(error.errno, error.strerror or str(error), str(given)) from error
         while done:
-            os.replace(*done[0])
+            name, path, given = done[0]
+            with _named(given):
+                os.replace(name, path)
             del done[0]
     finally:
-        for name, _ in done:
+        for name, _, _ in done:
             with contextlib.suppress(OSError):
                 os.unlink(name)
+
+
+@contextlib.contextmanager
+def _named(path: Path) -> Iterator[None]:
+    """An OSError inside speaks of this path, whatever file it happened to."""
+    try:
+        yield
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or str(error), str(path)) from error
 
 
 def check(paths: Sequence[Path], *, overwrite: bool = True, sources: Sequence[Path] = ()) -> None:

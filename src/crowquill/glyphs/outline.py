@@ -17,7 +17,7 @@ Grey = npt.NDArray[np.floating[Any]]
 
 STRAY = 0.14  # pixels an outline may lie off its contour: 3 um at 1200 dpi
 EVEN = 160  # points of a contour that are fitted
-SAMPLES = 24  # on a cubic, to measure from: their chords lie 0.01 pixels off a dot of 20
+SAMPLES = 16  # on a cubic, to measure from: their chords lie 0.005 pixels off a dot of 14
 
 
 def iso_contour(patch: Grey, level: float) -> Array:
@@ -116,7 +116,8 @@ def _least_squares(points: Array, knots: Array) -> Array:
         matrix[every, after] = t * t * (3 - 2 * t)
         matrix[every, count + piece] = t * (1 - t) ** 2 * width[piece]
         matrix[every, count + after] = t * t * (t - 1) * width[piece]
-        anchor, speed = np.split(np.linalg.lstsq(matrix, points, rcond=None)[0], 2)
+        normal = np.linalg.lstsq(matrix.T @ matrix, matrix.T @ points, rcond=None)[0]  # small, and never singular to it
+        anchor, speed = np.split(normal, 2)
         heads = anchor + speed * width[:, None] / 3
         tails = np.roll(anchor, -1, 0) - np.roll(speed, -1, 0) * width[:, None] / 3
         ring = np.stack([anchor, heads, tails], 1).reshape(-1, 2)
@@ -136,11 +137,13 @@ def _nearest(points: Array, ring: Array) -> tuple[Array, Array]:
     """Each point's distance from a closed ring of straight sides, and where on it that is: side and share of it."""
     side = np.roll(ring, -1, 0) - ring
     x, y = (points[:, k, None] - ring[:, k] for k in (0, 1))
-    share = np.clip((x * side[:, 0] + y * side[:, 1]) / np.maximum((side**2).sum(1), 1e-18), 0, 1)
-    distance = np.hypot(x - share * side[:, 0], y - share * side[:, 1])
-    best = distance.argmin(1)
-    every = np.arange(len(points))
-    return distance[every, best], best + share[every, best]
+    u, v = side.T / np.maximum((side**2).sum(1), 1e-18)
+    share = np.clip(x * u + y * v, 0, 1)
+    x -= share * side[:, 0]
+    y -= share * side[:, 1]
+    square = x * x + y * y
+    best, every = square.argmin(1), np.arange(len(points))
+    return np.sqrt(square[every, best]), best + share[every, best]
 
 
 def _of_area(ring: Array, area: float) -> Array:
