@@ -54,7 +54,7 @@ def decoded(source: str | os.PathLike[str] | BinaryIO, max_pixels: int = MAX_PIX
     except UnidentifiedImageError:
         raise ValueError(f"{name}: not a picture that can be read; give one of {', '.join(FORMATS)}") from None
     except (SyntaxError, EOFError, OSError, MemoryError, TypeError, OverflowError, ValueError) as error:
-        if (isinstance(error, OSError) and error.errno) or str(error).startswith(f"{name}: "):
+        if (isinstance(error, OSError) and error.filename) or str(error).startswith(f"{name}: "):
             raise
         raise ValueError(f"{name}: the picture is broken ({' '.join(str(error).split())}); save it again") from None
 
@@ -80,7 +80,8 @@ def _counts_ink(image: Any) -> bool:
 def _grey(image: Any) -> Array:
     """Code values 0 to 1 of a Pillow image over white."""
     if image.mode in ("F", "I") or image.mode.startswith("I;16"):
-        values = np.asarray(image).astype(np.float64)
+        with np.errstate(invalid="ignore"):  # a signalling NaN is one like any other
+            values = np.asarray(image).astype(np.float64)
         if image.mode == "I" and values.min(initial=0) < 0:
             values[values < 0] += 2.0**32  # Pillow reads unsigned numbers as signed ones
         if image.mode != "F" and values.max(initial=0) <= 65535:

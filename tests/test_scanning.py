@@ -18,7 +18,7 @@ from scipy import ndimage
 from skimage.measure import find_contours
 
 from crowquill import glyphs
-from crowquill.glyphs.scan import Scan, library, scan
+from crowquill.glyphs.scanning import Scan, library, scan
 from crowquill.paths import Array, Paths
 from crowquill.picture import encoded, linear
 

@@ -230,7 +230,7 @@ def library(scan: Scan, *, name: str, pen_mm: float, about: Mapping[str, Any]) -
         raise ValueError(f"simulated is {about['simulated']!r} in about; it takes True or False")
     if not len(scan.outlines):
         raise ValueError("the scan has no dots; scan a page that has some")
-    what = {"made": f"scanned at {scan.dpi:g} dpi; outlines in 5 to 8 cubics each, by crowquill.glyphs.scan", **about}
+    what = {"made": f"scanned at {scan.dpi:g} dpi; outlines in 5 to 8 cubics each, by crowquill.glyphs.scanning", **about}
     facts = {**what, "name": name, "pen_mm": pen_mm, "count": len(scan.outlines), "patches": _kept(scan)}
     try:
         text = escape(json.dumps(facts, indent=2, allow_nan=False))
