@@ -6,77 +6,21 @@ A style is a generator `draw(tone, rng, *, knob=...)`: it yields Steps and retur
 from __future__ import annotations
 
 import ast
-import difflib
 import importlib
-import inspect
-import math
 import numbers
-import os
-import typing
 from collections.abc import Callable, Generator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.metadata import entry_points, version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-if typing.TYPE_CHECKING:
+from crowquill.knobs import Knob, checked, of, unknown
+
+if TYPE_CHECKING:
     from crowquill.sheet import Sheet, Step
     from crowquill.tone import Tone
 
 Work = Generator["Step", None, "Sheet"]
-
-
-@dataclass(frozen=True)
-class Range:
-    """A number from low to high; unit "mm" makes it a length on the command line."""
-
-    low: float
-    high: float
-    unit: str
-    help: str
-
-
-@dataclass(frozen=True)
-class Choice:
-    """One of some names."""
-
-    names: tuple[str, ...]
-    help: str
-
-
-@dataclass(frozen=True)
-class Text:
-    """A name or a path."""
-
-    help: str
-
-
-@dataclass(frozen=True)
-class Knob:
-    """One keyword of a style: what it takes, its default, and whether None (left to the style) will do."""
-
-    name: str
-    takes: Range | Choice | Text
-    default: Any
-    whole: bool
-
-    def checked(self, value: Any) -> Any:
-        """The value in the knob's own type, or a ValueError that says what would be right."""
-        if value is None and self.default is None:
-            return None
-        if isinstance(self.takes, Choice):
-            if value not in self.takes.names:
-                raise ValueError(f"no {self.name} {value!r}; there are {', '.join(self.takes.names)}")
-        elif isinstance(self.takes, Range):
-            number = isinstance(value, numbers.Real) and not isinstance(value, bool) and math.isfinite(value)
-            if not number or not self.takes.low <= value <= self.takes.high or (self.whole and value != int(value)):
-                kind = "whole number" if self.whole else "number"
-                unit = f" {self.takes.unit}" if self.takes.unit else ""
-                raise ValueError(f"{self.name} is {value!r}; it takes a {kind} from {self.takes.low:g} to {self.takes.high:g}{unit}")
-            return int(value) if self.whole else float(value)
-        elif not isinstance(value, (str, os.PathLike)):
-            raise ValueError(f"{self.name} is {value!r}; it takes a name or a path")
-        return os.fspath(value)
 
 
 def names() -> list[str]:
@@ -99,24 +43,14 @@ def style(name: str) -> Callable[..., Work]:
             function: Callable[..., Work] = entry.load()
             return function
     if name not in names():
-        near = difflib.get_close_matches(name, names(), 1)
-        raise ValueError(f"no style {name!r}; {f'did you mean {near[0]}?' if near else 'there are ' + ', '.join(names())}")
+        raise ValueError(f"no {unknown('style', name, names())}")
     function = importlib.import_module(f"crowquill.styles.{name}").draw
     return function
 
 
 def knobs(name: str) -> dict[str, Knob]:
     """The knobs of a style, read from its signature, in its order."""
-    function = style(name)
-    hints = typing.get_type_hints(function, include_extras=True)
-    found = {}
-    for key, parameter in inspect.signature(function).parameters.items():
-        if parameter.kind is not parameter.KEYWORD_ONLY:
-            continue
-        base, takes = typing.get_args(hints[key])[:2]
-        kinds = typing.get_args(base) or (base,)
-        found[key] = Knob(key, takes, parameter.default, int in kinds and float not in kinds)
-    return found
+    return of(style(name))
 
 
 def steps(name: str, tone: Tone, *, seed: int = 0, **values: Any) -> Work:
@@ -124,14 +58,9 @@ def steps(name: str, tone: Tone, *, seed: int = 0, **values: Any) -> Work:
 
     values  knobs of the style; unknown names and values out of range are ValueErrors, before any work
     """
-    takes = knobs(name)
-    for key in values:
-        if key not in takes:
-            near = difflib.get_close_matches(key, takes, 1)
-            raise ValueError(f"style {name} has no knob {key!r}; {f'did you mean {near[0]}?' if near else 'there are ' + ', '.join(takes)}")
+    chosen = checked(knobs(name), values, f"style {name}")
     if isinstance(seed, bool) or not isinstance(seed, numbers.Integral) or seed < 0:
         raise ValueError(f"seed is {seed!r}; it takes a whole number, 0 or more")
-    chosen = {key: knob.checked(values.get(key, knob.default)) for key, knob in takes.items()}
     return _recorded(name, tone, int(seed), chosen)
 
 
@@ -140,7 +69,8 @@ def _recorded(name: str, tone: Tone, seed: int, chosen: dict[str, Any]) -> Work:
     import numpy as np
 
     sheet = yield from style(name)(tone, np.random.default_rng(seed), **chosen)
-    recipe = {"style": name, "version": version("crowquill"), "seed": seed, "knobs": chosen, "art_mm": list(sheet.size)}
+    kept = {key: list(value) if isinstance(value, tuple) else value for key, value in chosen.items() if value is not None}
+    recipe = {"style": name, "version": version("crowquill"), "seed": seed, "knobs": kept, "art_mm": list(sheet.size)}
     shared = {"style": name, "version": recipe["version"], "seed": seed, "art_mm": list(sheet.size)}
     return replace(sheet, recipe=recipe, report={**shared, **sheet.report})
 
