@@ -6,21 +6,20 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import BinaryIO, cast
+from typing import cast
 
 import numpy as np
 import numpy.typing as npt
 import shapely
 
 from crowquill.paths import Array, frozen
-from crowquill.picture import MAX_PIXELS, decoded, lightness, linear
+from crowquill.picture import MAX_PIXELS, File, lightness, linear, read, window
 
 BLOCK = 64  # columns to a block of prefix sums; see Tone.prefix
 TONES = ("auto", "linear", "grey")
 FITS = ("contain", "cover", "stretch")
 WIDTH = 180.0  # mm of a picture of which nothing is said: A4 less its margins
 REACH = 0.95  # the darkest coverage tone="auto" asks for: what dots still reach without closing up
-File = str | os.PathLike[str] | BinaryIO
 Source = File | npt.ArrayLike
 
 
@@ -28,28 +27,35 @@ Source = File | npt.ArrayLike
 class Tone:
     """Coverage on a rectangle: pixel (r, c) of (h, w) covers a rectangle of `size`, not a lattice point.
 
-    coverage  (h, w) share of paper to be covered by ink, 0 to 1
-    size      (width, height) mm
-    canvas    shapely Polygon or MultiPolygon in mm, origin top left, y down; None for the whole rectangle
+    coverage    (h, w) share of paper to be covered by ink, 0 to 1
+    size        (width, height) mm
+    canvas      shapely Polygon or MultiPolygon in mm, origin top left, y down; None for the whole rectangle
+    importance  (h, w) of 0 to 1: 1 is what matters most, one half neither more nor less than others; None for no wish
+    notes       what is to be said of how the picture was read
     """
 
     coverage: Array
     size: tuple[float, float]
     canvas: shapely.Geometry | None = None
+    importance: Array | None = None
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         coverage = frozen(self.coverage, np.float64, (None, None), "coverage")
         if coverage.size == 0:
             raise ValueError("coverage has no pixels; it takes at least one")
-        if coverage.min() < 0 or coverage.max() > 1:
-            raise ValueError(f"coverage runs from {coverage.min():g} to {coverage.max():g}; it takes 0 to 1")
+        importance = None if self.importance is None else frozen(self.importance, np.float64, coverage.shape, "importance")
+        for name, values in (("coverage", coverage), ("importance", importance)):
+            if values is not None and not 0 <= values.min() <= values.max() <= 1:
+                raise ValueError(f"{name} runs from {values.min():g} to {values.max():g}; it takes 0 to 1")
         width, height = (float(side) for side in self.size)
         if not (0 < width < np.inf and 0 < height < np.inf):
             raise ValueError(f"size {self.size} mm has no area; both sides must be over 0")
         sheet = shapely.box(0, 0, width, height)
         canvas = sheet if self.canvas is None else _canvas(self.canvas, sheet)
         shapely.prepare(canvas)
-        for name, value in (("coverage", coverage), ("size", (width, height)), ("canvas", canvas)):
+        checked = {"coverage": coverage, "size": (width, height), "canvas": canvas, "importance": importance, "notes": tuple(self.notes)}
+        for name, value in checked.items():
             object.__setattr__(self, name, value)
 
     @classmethod
@@ -68,6 +74,7 @@ class Tone:
         crop: tuple[float, float, float, float] | None = None,
         local_contrast: float = 0.0,
         canvas: shapely.Geometry | None = None,
+        importance: Source | None = None,
         max_pixels: int = MAX_PIXELS,
     ) -> Tone:
         """The Tone of a picture file, an open file or an array, on so many mm.
@@ -84,9 +91,11 @@ class Tone:
         crop            left, top, width, height as shares of the picture, before all else
         local_contrast  0 to 1, how much of the difference to the surroundings is added (unsharp, 2 % of the width)
         canvas          polygon in mm to draw in; None is the whole rectangle
+        importance      a picture file or an array of 0 to 1, white for what matters most; it is laid over the
+                        picture before the crop, whatever its own size; transparent pixels in it are one half
 
-        Transparent pixels lie on white, EXIF turns the picture upright. A float TIFF is scaled by its
-        finite range, whatever the tone; NaN in it is no ink.
+        Transparent pixels lie on white, EXIF turns the picture upright, an ICC profile leads to sRGB. A float
+        TIFF is scaled by its finite range, whatever the tone; NaN in it is no ink.
         Raises ValueError for what is not a picture, OSError for what cannot be read.
         """
         if tone not in TONES:
@@ -95,13 +104,19 @@ class Tone:
             raise ValueError(f"gamma is {gamma}; it takes a number over 0, up to 10")
         if not 0 <= local_contrast <= 1:
             raise ValueError(f"local contrast is {local_contrast}; it takes 0 to 1")
-        if isinstance(source, (str, os.PathLike)) or hasattr(source, "read"):
-            light = _cropped(decoded(cast(File, source), max_pixels), crop)
-            coverage = _coverage(light, tone, black_point, white_point)
+        notes: tuple[str, ...] = ()
+        if _is_file(source):
+            whole, notes = read(cast(File, source), max_pixels)
+            part = window(whole.shape, crop)
+            coverage = _coverage(whole[part], tone, black_point, white_point)
         else:
             if black_point is not None or white_point is not None:
                 raise ValueError("an array is coverage itself and has no black or white point; leave them out")
-            coverage = _cropped(np.asarray(source, np.float64), crop)
+            whole = np.asarray(source, np.float64)
+            if whole.ndim != 2 or whole.size == 0:
+                raise ValueError(f"an array of shape {whole.shape} is no coverage; give (rows, columns), at least one of each")
+            part = window(whole.shape, crop)
+            coverage = whole[part]
         if local_contrast:
             coverage = _sharpened(coverage, local_contrast)
         if invert:
@@ -109,7 +124,11 @@ class Tone:
         if gamma != 1:
             coverage = coverage**gamma
         h, w = coverage.shape
-        loaded = cls(coverage, (WIDTH, WIDTH * h / w)).fitted(width, height, fit)
+        wish = None
+        if importance is not None:
+            wish, more = _wished(importance, whole.shape, part, max_pixels)
+            notes += tuple(f"importance: {note}" for note in more)
+        loaded = cls(coverage, (WIDTH, WIDTH * h / w), importance=wish, notes=notes).fitted(width, height, fit)
         return loaded if canvas is None else replace(loaded, canvas=canvas)
 
     @property
@@ -185,11 +204,12 @@ class Tone:
 
     def _resized(self, rows: slice, columns: slice, size: tuple[float, float]) -> Tone:
         coverage = self.coverage[rows, columns]
+        importance = None if self.importance is None else self.importance[rows, columns]
         if self.is_rectangle:
-            return Tone(coverage, size)
+            return Tone(coverage, size, None, importance, self.notes)
         corner = np.array([columns.start or 0, rows.start or 0]) * self.pixel
         scale = np.array(size) / (coverage.shape[1], coverage.shape[0]) / self.pixel
-        return Tone(coverage, size, shapely.transform(self.canvas, lambda xy: (xy - corner) * scale))
+        return Tone(coverage, size, shapely.transform(self.canvas, lambda xy: (xy - corner) * scale), importance, self.notes)
 
     def mapped(self, curve: Callable[[Array], Array]) -> Tone:
         """The same canvas with curve(coverage) for coverage; the curve takes and gives (h, w) of 0 to 1."""
@@ -261,17 +281,24 @@ def _coverage(code: Array, tone: str, black: float | None, white: float | None) 
     return coverage
 
 
-def _cropped(values: Array, crop: tuple[float, float, float, float] | None) -> Array:
-    if values.ndim != 2 or values.size == 0:
-        raise ValueError(f"an array of shape {values.shape} is no coverage; give (rows, columns), at least one of each")
-    if crop is None:
-        return values
-    left, top, width, height = crop
-    if not (0 <= left < left + width <= 1 + 1e-9 and 0 <= top < top + height <= 1 + 1e-9):
-        raise ValueError(f"crop {crop} is not inside the picture; give left, top, width, height as shares of 1")
-    h, w = values.shape
-    x, y = min(round(left * w), w - 1), min(round(top * h), h - 1)
-    return values[y : max(y + 1, round((top + height) * h)), x : max(x + 1, round((left + width) * w))]
+def _is_file(source: object) -> bool:
+    return isinstance(source, (str, os.PathLike)) or hasattr(source, "read")
+
+
+def _wished(source: Source, shape: tuple[int, ...], part: tuple[slice, slice], max_pixels: int) -> tuple[Array, tuple[str, ...]]:
+    """Importance on the part of a picture of this shape that is kept: means of a finer map, straight lines between a coarser one's."""
+    from PIL import Image
+
+    values, notes = read(cast(File, source), max_pixels, under=0.5) if _is_file(source) else (np.asarray(source, np.float64), ())
+    if values.ndim != 2 or values.size == 0 or not 0 <= values.min() <= values.max() <= 1:
+        raise ValueError(f"an array of shape {values.shape} is no importance; give (rows, columns) of 0 to 1, at least one of each")
+    if values.shape == shape:
+        return values[part], notes
+    (down, across), (rows, columns) = np.divide(values.shape, shape), part
+    box = (columns.start * across, rows.start * down, min(columns.stop * across, values.shape[1]), min(rows.stop * down, len(values)))
+    size = (columns.stop - columns.start, rows.stop - rows.start)
+    resized = Image.fromarray(values.astype(np.float32)).resize(size, Image.Resampling.BILINEAR, box)
+    return np.clip(np.asarray(resized, np.float64), 0, 1), notes
 
 
 def _sharpened(coverage: Array, amount: float) -> Array:
