@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from importlib import import_module
 from types import MappingProxyType
 from typing import Any
 
@@ -12,9 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from crowquill.paths import Array, Index, Paths, frozen
-from crowquill.units import PAPERS, UM, paper
+from crowquill.units import INCH, PAPERS, UM, paper
 
 THIN = 1e-4  # area over the square of the length: below, a shape is a hair, and its area may be rounding
+SHOWN = 20_000  # shapes of an SVG in a notebook; more make browsers slow
 TURN_STEPS = 65536  # angles are kept to this part of a turn: 1.4e-5 mm at the rim of a 0.3 mm dot
 
 
@@ -34,6 +36,13 @@ class Ink:
             raise ValueError(f"cmyk {self.cmyk} of ink {self.name!r} is not four shares from 0 to 1")
         if self.pen is not None and not 0 < self.pen < 1000:
             raise ValueError(f"pen {self.pen} mm of ink {self.name!r} is not a width; give None to fill")
+
+    @property
+    def rgb(self) -> tuple[int, int, int]:
+        """The ink on a screen, red, green and blue of 0 to 255: each colour takes its share of the light away."""
+        cyan, magenta, yellow, black = self.cmyk
+        red, green, blue = (round(255 * (1 - share) * (1 - black)) for share in (cyan, magenta, yellow))
+        return red, green, blue
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,13 +189,15 @@ class Sheet:
     """A drawing: its size (width, height) in mm, its layers from the bottom up, what made it and what came of it.
 
     Lengths are snapped to whole micrometres when made, so that save, load, save gives the
-    same bytes. `recipe` goes into the file; `report` holds times and warnings and does not.
+    same bytes. `recipe` goes into the file; `report` holds times and warnings and does not. `attached` are
+    files by name that go into the file whole.
     """
 
     size: tuple[float, float]
     layers: tuple[Layer, ...] = ()
     recipe: Mapping[str, Any] = field(default_factory=dict)
     report: Mapping[str, Any] = field(default_factory=dict)
+    attached: Mapping[str, bytes] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         width, height = (round(float(side), 3) for side in self.size)
@@ -196,6 +207,7 @@ class Sheet:
         object.__setattr__(self, "layers", tuple(replace(layer, art=_snapped(layer.art)) for layer in self.layers))
         object.__setattr__(self, "recipe", MappingProxyType(dict(self.recipe)))
         object.__setattr__(self, "report", MappingProxyType(dict(self.report)))
+        object.__setattr__(self, "attached", MappingProxyType(dict(self.attached)))
 
     @property
     def marks(self) -> Marks:
@@ -219,7 +231,18 @@ class Sheet:
         offset = _whole(np.array([(size[0] - width) / 2, (size[1] - height) / 2]))
         layers = tuple(replace(layer, art=_shifted(layer.art, offset)) for layer in self.layers)
         recipe = {**self.recipe, "paper_mm": list(size), "art_mm": [width, height], "art_at_mm": offset.tolist()}
-        return Sheet(size, layers, recipe, self.report)
+        return Sheet(size, layers, recipe, self.report, self.attached)
+
+    def _repr_svg_(self) -> str | None:
+        """What a notebook shows of a drawing that browsers bear: up to SHOWN paths and marks."""
+        if sum(len(layer.art) for layer in self.layers) > SHOWN:
+            return None
+        return str(_formats().to_bytes(self, "svg").decode("utf-8"))
+
+    def _repr_png_(self) -> bytes:
+        """What a notebook shows of any drawing: some 900 pixels of its longer side."""
+        data: bytes = _formats().to_bytes(self, "png", dpi=min(600.0, max(20.0, 900 * INCH / max(self.size))))
+        return data
 
 
 @dataclass(frozen=True)
@@ -231,6 +254,11 @@ class Step:
     total: int
     facts: Mapping[str, float] = field(default_factory=dict)
     sheet: Sheet | None = None
+
+
+def _formats() -> Any:
+    """The one door that goes up: a sheet shows itself, and formats, which know how, stand above sheets."""
+    return import_module("crowquill.formats")
 
 
 def check_bar(x: float, y: float, length: float = 10.0) -> Layer:

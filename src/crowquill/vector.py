@@ -31,12 +31,17 @@ PX = INCH / 96  # mm to the CSS pixel
 
 def contents(path: Path) -> bytes:
     """The bytes of a file from outside; a folder, a pipe or a device is a ValueError, and so is one over the limit."""
+    if (size := regular(path)) > LIMIT:
+        raise ValueError(f"{path}: {size / 2**20:.0f} MB is over the limit of {LIMIT / 2**20:.0f} MB; make it smaller")
+    return path.read_bytes()
+
+
+def regular(path: Path) -> int:
+    """The size of a file in bytes; a folder, a pipe or a device is a ValueError."""
     facts = path.stat()
     if not stat.S_ISREG(facts.st_mode):
         raise ValueError(f"{path}: is {'a folder' if stat.S_ISDIR(facts.st_mode) else 'not a regular file'}; give a file")
-    if facts.st_size > LIMIT:
-        raise ValueError(f"{path}: {facts.st_size / 2**20:.0f} MB is over the limit of {LIMIT / 2**20:.0f} MB; make it smaller")
-    return path.read_bytes()
+    return facts.st_size
 
 
 def elements(data: bytes, name: str) -> Iterator[Any]:

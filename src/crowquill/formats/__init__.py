@@ -1,4 +1,8 @@
-"""Formats: how sheets become files, and come back. One file of this folder is one format; its name is the suffix."""
+"""Formats: how sheets become files, and come back. One file of this folder is one format; its name is the suffix.
+
+A format is a function `write(sheet, file, *, knob=...)`, its knobs declared as a style's are; one that can be read back has
+`read(data, name)` too, and one that keeps the sheet's recipe `recipe(data, name)`.
+"""
 
 from __future__ import annotations
 
@@ -8,17 +12,19 @@ import importlib
 import io
 import os
 import secrets
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, BinaryIO
 
+from crowquill.knobs import Knob, checked, of, unknown
 from crowquill.sheet import Sheet
 from crowquill.vector import contents
 
 Target = str | os.PathLike[str] | BinaryIO
 PART = ".part"  # suffix of a file under way
+SAME = {"tif": "tiff"}  # suffixes by which a format is called too
 
 
 def names() -> list[str]:
@@ -27,25 +33,45 @@ def names() -> list[str]:
     return sorted(own | {entry.name for entry in entry_points(group="crowquill.formats")})
 
 
-def save(sheet: Sheet, *targets: Target, format: str | None = None, overwrite: bool = True) -> None:
+def knobs(format: str) -> dict[str, Knob]:
+    """The knobs of a format, read from the signature of its `write`, in its order."""
+    return of(module(format, format).write)
+
+
+def save(sheet: Sheet, *targets: Target, format: str | None = None, overwrite: bool = True, **values: Any) -> None:
     """Writes the sheet to every target: paths, whose suffix names the format, or open binary files.
+
+    values  knobs of formats, each for those targets that take it; one that none takes is a ValueError
 
     An open file takes `format`, or goes by its own name. Each file is written beside its place and
     renamed once all are whole, so that nothing is ever half written. Raises ValueError for an unknown
     format, FileExistsError where a file is there and may not be replaced, OSError where it cannot be written.
     """
-    paths = [Path(target) for target in targets if isinstance(target, (str, os.PathLike))]
-    plan = [(path, writer(sheet, path)) for path in paths]
+    files = [path for path in targets if isinstance(path, (str, os.PathLike))]
+    streams = [file for file in targets if not isinstance(file, (str, os.PathLike))]
+    names = [Path(str(getattr(file, "name", "open file"))) for file in streams]
+    paths = [Path(path) for path in files]
+    every = writers(sheet, [*((path, None) for path in paths), *((name, format) for name in names)], values)
     check(paths, overwrite=overwrite)
-    for target in targets:
-        if not isinstance(target, (str, os.PathLike)):
-            writer(sheet, Path(str(getattr(target, "name", "open file"))), format)(target)
-    replace_files(plan)
+    for file, write in zip(streams, every[len(paths) :], strict=True):
+        write(file)
+    replace_files(list(zip(paths, every, strict=False)))
 
 
-def writer(sheet: Sheet, path: Path, format: str | None = None) -> Callable[[BinaryIO], object]:
-    """The function that writes the sheet to an open file, in a format by name or by the path's suffix."""
-    return partial(module(format or path.suffix[1:].lower(), str(path)).write, sheet)
+def writers(sheet: Sheet, targets: Sequence[tuple[Path, str | None]], values: Mapping[str, Any]) -> list[Callable[[BinaryIO], object]]:
+    """For each target, a path and a format or None for that of its suffix, the function that writes the sheet to an open file.
+
+    Each gets those of the values that it has knobs for. Raises ValueError for an unknown format, and for a value that none takes.
+    """
+    modules = [module(format or path.suffix[1:].lower(), str(path)) for path, format in targets]
+    takes = [of(found.write) for found in modules]
+    for key in values:
+        if not any(key in own for own in takes):
+            known = sorted({name for own in takes for name in own})
+            wish = unknown("knob", key, known) if known else f"knob {key!r}; leave it out"
+            raise ValueError(f"none of the formats written has {wish}")
+    chosen = [checked(own, {key: value for key, value in values.items() if key in own}, "format") for own in takes]
+    return [partial(found.write, sheet, **own) for found, own in zip(modules, chosen, strict=True)]
 
 
 def replace_files(plan: Sequence[tuple[Path, Callable[[BinaryIO], object]]]) -> None:
@@ -113,10 +139,10 @@ def check(paths: Sequence[Path], *, overwrite: bool = True, sources: Sequence[Pa
             raise ValueError(f"{path}: is named twice; give each output its own name")
 
 
-def to_bytes(sheet: Sheet, format: str) -> bytes:
-    """The file's bytes in a format by name."""
+def to_bytes(sheet: Sheet, format: str, **values: Any) -> bytes:
+    """The file's bytes in a format by name; values are its knobs."""
     buffer = io.BytesIO()
-    module(format, format).write(sheet, buffer)
+    writers(sheet, [(Path(format), format)], values)[0](buffer)
     return buffer.getvalue()
 
 
@@ -134,8 +160,18 @@ def load(source: str | os.PathLike[str] | BinaryIO) -> Sheet:
     return sheet
 
 
+def recipe_of(path: Path) -> tuple[dict[str, Any], dict[str, bytes]]:
+    """What a drawing of ours says made it, as plain data, and the files kept inside it, by name."""
+    reader = module(path.suffix[1:].lower(), str(path))
+    if not hasattr(reader, "recipe"):
+        raise ValueError(f"{path}: this format keeps no recipe; give the drawing's SVG or PDF")
+    found: tuple[dict[str, Any], dict[str, bytes]] = reader.recipe(contents(path), str(path))
+    return found
+
+
 def module(format: str, target: str) -> Any:
     """The module of a format, or a ValueError that names those there are."""
+    format = SAME.get(format, format)
     if format not in names():
         wish = "" if format else "; give a suffix, or format= with an open file"
         raise ValueError(f"{target}: no format {format!r}; there are {', '.join(names())}{wish}")

@@ -42,6 +42,12 @@ def chunks(art: Marks | Paths) -> Iterator[Paths]:
         yield art.take(np.sort(order[lo : lo + size])).outlines()
 
 
+def apart(marks: Marks) -> Iterator[Paths]:
+    """Each mark's outline by itself."""
+    outlines = marks.outlines()
+    return (outlines.take([i]) for i in range(len(outlines)))
+
+
 def number(value: float, digits: int = 3) -> str:
     """A number as SVG and PDF both take it: plain decimals, as few as say it, never an exponent or -0."""
     text = f"{value:.{digits}f}"

@@ -7,7 +7,9 @@ import hashlib
 import json
 import re
 import zlib
-from typing import Any, BinaryIO
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Annotated, Any, BinaryIO
 from xml.etree import ElementTree
 
 import numpy as np
@@ -17,7 +19,8 @@ import svgwrite.container
 import svgwrite.extensions
 import svgwrite.path
 
-from crowquill.formats._text import chunks, number, svg_path
+from crowquill.formats._text import apart, chunks, number, svg_path
+from crowquill.knobs import Flag
 from crowquill.paths import Array, Paths
 from crowquill.sheet import TURN_STEPS, Glyph, Ink, Layer, Marks, Sheet
 from crowquill.vector import PX, elements, local, shapes
@@ -26,12 +29,24 @@ SCHEMA = 1  # of the metadata; a reader refuses a newer one
 SPACE = "urn:crowquill:drawing"
 SVG = "http://www.w3.org/2000/svg"
 LARGEST = 2**31  # bytes of table unpacked; fifty million dots
+SEPARATE = 20_000  # elements; Inkscape takes about 9 kB for each
 PIECE = 1_000_000  # characters of table to an element: some readers stop at 10 MB of text
 UNSEEN = {"metadata", "title", "desc", "defs"}
 
 
-def write(sheet: Sheet, file: BinaryIO) -> None:
-    """The sheet as SVG 1.1 in millimetres: a group a layer, few long paths in whole micrometres, a table of marks."""
+def write(
+    sheet: Sheet,
+    file: BinaryIO,
+    *,
+    separate: Annotated[bool, Flag("an SVG element a dot, to retouch by hand; up to 20 000")] = False,
+) -> None:
+    """The sheet as SVG 1.1 in millimetres: a group a layer, few long paths in whole micrometres, a table of marks.
+
+    Raises ValueError for more than 20 000 dots when each is to be an element of its own: editors stall over more.
+    """
+    dots = sum(len(layer.art) for layer in sheet.layers if isinstance(layer.art, Marks))
+    if separate and dots > SEPARATE:
+        raise ValueError(f"{dots} dots are too many to be separate elements: editors bear {SEPARATE}; draw fewer, or leave out separate")
     width, height = sheet.size
     drawing = svgwrite.Drawing(
         size=(f"{number(width)}mm", f"{number(height)}mm"), viewBox=f"0 0 {number(width)} {number(height)}", debug=False
@@ -40,20 +55,44 @@ def write(sheet: Sheet, file: BinaryIO) -> None:
     for rank, layer in enumerate(sheet.layers, 1):
         group = inkscape.layer(label=_sayable(layer.label), id=f"layer{rank}", **_paint(layer.ink))
         scaled = svgwrite.container.Group(transform="scale(.001)", debug=False)
-        for paths in chunks(layer.art):
+        for paths in apart(layer.art) if separate and isinstance(layer.art, Marks) else chunks(layer.art):
             scaled.add(svgwrite.path.Path(d=svg_path(paths), debug=False))
         group.add(scaled)
         drawing.add(group)
     root = drawing.get_xml()
     about, table = _packed(sheet)
     about["drawn"] = _digest(root)
-    root.insert(0, _metadata(about, table))
+    root.insert(0, _metadata(about, table, sheet.attached))
     ElementTree.ElementTree(root).write(file, encoding="utf-8", xml_declaration=True)
     file.write(b"\n")
 
 
 def read(data: bytes, name: str) -> Sheet:
     """The sheet of an SVG of ours from its table, or, where it was edited since, from its geometry."""
+    root, about = _opened(data, name)
+    try:
+        kept = _kept(root)
+        if about["drawn"] != _digest(root):
+            return replace(_from_geometry(data, name, about), attached=kept)
+        text = "".join(piece.text or "" for piece in root.iter(f"{{{SPACE}}}marks"))
+        return replace(_unpacked(about, zlib.decompressobj().decompress(base64.b64decode(text), LARGEST)), attached=kept)
+    except (LookupError, TypeError, ValueError, AttributeError, zlib.error, RecursionError, OverflowError) as error:
+        if str(error).startswith(f"{name}: "):
+            raise
+        raise _broken(name, error) from None
+
+
+def recipe(data: bytes, name: str) -> tuple[dict[str, Any], dict[str, bytes]]:
+    """What made the drawing in an SVG of ours, edited since or not, and the files kept inside it."""
+    root, about = _opened(data, name)
+    try:
+        return dict(about["recipe"]), _kept(root)
+    except (LookupError, TypeError, ValueError) as error:
+        raise _broken(name, error) from None
+
+
+def _opened(data: bytes, name: str) -> tuple[Any, Any]:
+    """The root of an SVG of ours, and what it says of itself."""
     root = next(iter(elements(data, name)))
     found = root.find(f".//{{{SPACE}}}drawing")
     if found is None:
@@ -61,18 +100,21 @@ def read(data: bytes, name: str) -> Sheet:
     about: Any = None
     try:
         about = json.loads(found.text or "")
-        newer, edited = about["schema"] > SCHEMA, about["drawn"] != _digest(root)
+        newer = about["schema"] > SCHEMA
     except (LookupError, TypeError, ValueError, RecursionError) as error:
         raise _broken(name, error) from None
     if newer:
         raise ValueError(f"{name}: made by a newer crowquill (schema {about['schema']}); update this one")
-    if edited:
-        return _from_geometry(data, name, about)
-    try:
-        text = "".join(piece.text or "" for piece in root.iter(f"{{{SPACE}}}marks"))
-        return _unpacked(about, zlib.decompressobj().decompress(base64.b64decode(text), LARGEST))
-    except (LookupError, TypeError, ValueError, AttributeError, zlib.error, RecursionError, OverflowError) as error:
-        raise _broken(name, error) from None
+    return root, about
+
+
+def _kept(root: Any) -> dict[str, bytes]:
+    """The files kept in the metadata, by name."""
+    texts: dict[str, str] = {}
+    for piece in root.iter(f"{{{SPACE}}}file"):
+        name = json.loads(piece.attrib["name"])
+        texts[name] = texts.get(name, "") + (piece.text or "")
+    return {name: base64.b64decode(text) for name, text in texts.items()}
 
 
 def _broken(name: str, error: Exception) -> ValueError:
@@ -86,30 +128,27 @@ def _sayable(text: str) -> str:
 
 def _paint(ink: Ink) -> dict[str, str]:
     """Fill or stroke attributes of a layer."""
+    colour = "#" + "".join(f"{code:02x}" for code in ink.rgb)
     if ink.pen is None:
-        return {"fill": _colour(ink), "stroke": "none"}
+        return {"fill": colour, "stroke": "none"}
     return {
         "fill": "none",
-        "stroke": _colour(ink),
+        "stroke": colour,
         "stroke-width": number(ink.pen * 1000),
         "stroke-linecap": "round",
         "stroke-linejoin": "round",
     }
 
 
-def _colour(ink: Ink) -> str:
-    """The ink on a screen: each colour takes its share of the light away."""
-    *colours, black = ink.cmyk
-    return "#" + "".join(f"{round(255 * (1 - share) * (1 - black)):02x}" for share in colours)
-
-
-def _metadata(about: dict[str, Any], table: bytes) -> ElementTree.Element:
+def _metadata(about: dict[str, Any], table: bytes, attached: Mapping[str, bytes]) -> ElementTree.Element:
     metadata = ElementTree.Element("metadata")
     drawing = ElementTree.SubElement(metadata, "drawing", {"xmlns": SPACE})
     drawing.text = json.dumps(about, sort_keys=True)  # in ASCII: names may hold what XML cannot say
-    text = base64.b64encode(zlib.compress(table, 6)).decode("ascii")
-    for at in range(0, len(text), PIECE):
-        ElementTree.SubElement(metadata, "marks", {"xmlns": SPACE}).text = text[at : at + PIECE]
+    kept = {json.dumps(name): contents for name, contents in attached.items()}
+    for kind, more, contents in (("marks", {}, zlib.compress(table, 6)), *(("file", {"name": name}, kept[name]) for name in kept)):
+        text = base64.b64encode(contents).decode("ascii")
+        for at in range(0, max(len(text), 1), PIECE):
+            ElementTree.SubElement(metadata, kind, {"xmlns": SPACE, **more}).text = text[at : at + PIECE]
     return metadata
 
 
