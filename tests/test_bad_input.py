@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import re
 import resource
@@ -13,8 +14,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import pikepdf
 import pytest
-from hostile import BOX, CANVASES, DOT, GOOD, LIBRARIES, OPTIONS, PICTURES, svg
+from hostile import BOX, CANVASES, DOT, GOOD, LIBRARIES, OPTIONS, PICTURES, RECIPES, svg
 
 from crowquill.__main__ import main
 
@@ -77,6 +79,41 @@ COMMANDS = [
     ("stipple good.png out.svg --glyphs desk.svg", "desk.svg", "a folder for a library"),
     ("stipple good.png out.svg --glyphs pipe.svg", "pipe.svg", "a pipe for a library"),
     ("stipple good.png out.svg --glyphs full.svg", "full.svg", "a device without end for a library"),
+    ("stipple good.png out.svg --recipe missing.toml", "missing.toml", "a recipe that is not there"),
+    ("stipple good.png out.svg --recipe desk", "desk", "a folder for a recipe"),
+    ("stipple good.png out.svg --recipe pipe.svg", "pipe.svg", "a pipe for a recipe"),
+    ("stipple good.png out.pdf --separate", "separate", "a setting that no file written takes"),
+]
+
+# what is typed without the options of a drawing, what the line must say, and the story
+VERBS = [
+    ("redo missing.svg out.svg", "missing.svg", "a drawing that is not there"),
+    ("redo good.png out.svg", "good.png", "a picture for a drawing"),
+    ("redo frame.svg new.svg", "frame.svg", "somebody else's SVG"),
+    ("redo as.svg new.svg", "as.svg", "a picture called a drawing"),
+    ("redo bad.pdf new.svg", "bad.pdf", "a PDF that is none"),
+    ("redo plain.pdf new.svg", "plain.pdf", "somebody else's PDF"),
+    ("redo pipe.svg new.svg", "pipe.svg", "a pipe"),
+    ("redo desk.svg new.svg", "desk.svg", "a folder"),
+    ("redo as.svg", "OUT", "no file to write"),
+    ("recipe frame.svg", "frame.svg", "somebody else's SVG asked for its recipe"),
+    ("recipe missing.svg", "missing.svg", "a recipe of nothing"),
+    ("glyphs shwo nib-03 -o out.svg", "shwo", "a command misspelt"),
+    ("glyphs show nib-99 -o new.svg", "nib-99", "a library there is not"),
+    ("glyphs show nib-03", "--out", "no page to draw"),
+    ("glyphs show nib-03 -o new.dfx", "dfx", "a page in a format there is not"),
+    ("glyphs show dots.svg -o dots.svg", "dots.svg", "the library under its page"),
+    ("glyphs show frame2.svg -o new.pdf", "frame2.svg", "an SVG without a shape"),
+    ("glyphs scan missing.png -o new.svg", "missing.png", "a scan that is not there"),
+    ("glyphs scan good.png -o new.pdf", "new.pdf", "a library that is no SVG"),
+    ("glyphs scan good.png -o new.svg", "dpi", "a scan of no known size"),
+    ("glyphs scan good.png -o new.svg --dpi 72", "72", "a scan too coarse"),
+    ("glyphs scan good.png -o new.svg --dpi nan", "dpi", "a scan of no number"),
+    ("glyphs scan good.png -o new.svg --dpi 1200", "good.png", "a scan without dots"),
+    ("glyphs scan good.png -o new.svg --pen 0.3", "--pen", "a pen without a unit"),
+    ("glyphs scan desk.svg -o new.svg --dpi 1200", "desk.svg", "a folder for a scan"),
+    ("glyphs scan pipe.svg -o new.svg --dpi 1200", "pipe.svg", "a pipe for a scan"),
+    ("glyphs scan good.png -o nowhere/new.svg --dpi 1200", "nowhere", "a folder that is not there"),
 ]
 
 
@@ -88,7 +125,7 @@ def desk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     os.chdir(folder)
     files = {name: data for table in (PICTURES,) for name, (data, _) in table.items()}
     files |= {"good.png": GOOD, "as.svg": GOOD, "out.svg": b"older", "old.json": b"older"}
-    files |= {"frame.svg": svg(BOX), "dots.svg": svg(DOT)}
+    files |= {"frame.svg": svg(BOX), "dots.svg": svg(DOT), "frame2.svg": svg(""), "bad.pdf": b"%PDF-1.4 no more", "plain.pdf": plain_pdf()}
     for kind, table in (("canvas", CANVASES), ("glyphs", LIBRARIES)):
         files |= {f"{kind}-{name}": data for name, (data, _) in table.items()}
     for name, data in files.items():
@@ -103,6 +140,15 @@ def desk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     yield folder
     os.chdir(before)
     shutil.rmtree(folder, ignore_errors=True)
+
+
+def plain_pdf() -> bytes:
+    """A sound PDF that no crowquill wrote."""
+    file = io.BytesIO()
+    with pikepdf.new() as pdf:
+        pdf.add_blank_page()
+        pdf.save(file)
+    return file.getvalue()
 
 
 def held(folder: Path) -> dict[str, bytes]:
@@ -184,8 +230,22 @@ def test_a_bad_command_is_refused_in_one_line(desk, capfd, row):
     refusal(desk, capfd, [*shlex.split(row[0]), *SMALL], row[1])
 
 
+@pytest.mark.usefixtures("bounded")
+@pytest.mark.parametrize("row", [pytest.param(row, id=f"{row[2]}: {row[0][:40]}") for row in VERBS])
+def test_a_bad_verb_is_refused_in_one_line(desk, capfd, row):
+    refusal(desk, capfd, shlex.split(row[0]), row[1])
+
+
+@pytest.mark.usefixtures("bounded")
+@pytest.mark.parametrize("row", [pytest.param(row, id=row[2]) for row in RECIPES])
+def test_a_bad_recipe_is_refused_in_one_line(desk, capfd, row):
+    (desk / "r.toml").write_text(row[0], encoding="utf-8")
+    for typed in ("stipple good.png out.svg --recipe r.toml", "redo r.toml out.svg", "recipe r.toml"):
+        refusal(desk, capfd, typed.split(), row[1])
+
+
 def test_there_are_as_many_stories_as_cases():
-    stories = [row[1] for row in OPTIONS] + [row[2] for row in COMMANDS]
+    stories = [row[1] for row in OPTIONS] + [row[2] for row in (*COMMANDS, *VERBS, *RECIPES)]
     stories += [story for table in (PICTURES, CANVASES, LIBRARIES) for _, story in table.values()]
     assert len(stories) >= 200 and all(stories)  # the list only grows
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from crowquill.cells import Cells, voronoi
     from crowquill.formats import load, save, to_bytes
+    from crowquill.making import redo
     from crowquill.moments import Moments
     from crowquill.paths import Paths
     from crowquill.relax import lloyd, scatter
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 _PUBLIC = {
     "cells": ("Cells", "voronoi"),
     "formats": ("load", "save", "to_bytes"),
+    "making": ("redo",),
     "moments": ("Moments",),
     "paths": ("Paths",),
     "relax": ("lloyd", "scatter"),
@@ -41,7 +43,7 @@ _PUBLIC = {
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names}
 __all__ = [
     "Cells", "Glyph", "Ink", "Layer", "Marks", "Moments", "Paths", "Sheet", "Step", "Tone",
-    "draw", "lloyd", "load", "save", "scatter", "steps", "to_bytes", "voronoi",
+    "draw", "lloyd", "load", "redo", "save", "scatter", "steps", "to_bytes", "voronoi",
 ]  # fmt: skip
 
 

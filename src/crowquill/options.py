@@ -1,4 +1,4 @@
-"""The command line's options: those of a style from its signature, and those that all styles share."""
+"""The command line's options: those of knobs, from signatures, and those of the running itself."""
 
 from __future__ import annotations
 
@@ -9,108 +9,145 @@ from typing import Annotated, Any
 
 import typer
 
-from crowquill import styles, units
+from crowquill import recipe, units
+from crowquill.knobs import Choice, Flag, Knob, Numbers, Range, Text
+from crowquill.recipe import TABLES, Recipe
+from crowquill.vector import contents
+
+PANELS = {"paper": "Paper and size", "tone": "Picture and tone", "knobs": "The style's knobs", "files": "Files"}
+RUN = "Running"
 
 
-def _length(text: str) -> float:
-    try:
-        return units.length(text)
-    except ValueError as error:
-        raise typer.BadParameter(str(error)) from None
-
-
-def _crop(text: str) -> tuple[float, ...]:
-    parts = text.split(",")
-    try:
-        if len(parts) == 4:
-            return tuple(float(part) for part in parts)
-    except ValueError:
-        pass
-    raise typer.BadParameter(f"{text!r} is not left,top,width,height as shares of the picture, such as 0.1,0,0.8,1")
-
-
-def _option(help: str, panel: str, **more: Any) -> Any:
-    return typer.Option(help=help, rich_help_panel=panel, **more)
-
-
-def _flag(name: str, help: str, panel: str) -> Any:
-    return typer.Option(name, help=help, rich_help_panel=panel)
-
-
-def _mm(help: str, panel: str) -> Any:
-    return _option(help, panel, parser=_length, metavar="LENGTH")
-
-
-PAPER, TONE, RUN = "Paper and size", "Tone", "Running"
-
-
-def _shared(
-    picture: Annotated[Path, typer.Argument(help="The picture: PNG, JPEG, TIFF, WebP, GIF, BMP.", show_default=False, metavar="PICTURE")],
-    out: Annotated[list[Path], typer.Argument(help="Files to write, by suffix: .svg, .pdf.", show_default=False, metavar="OUT")],
+def _running(
+    out: Annotated[
+        list[Path], typer.Argument(help="Files to write, by suffix: .svg, .pdf, .png, .tiff.", show_default=False, metavar="OUT")
+    ],
     *,
-    paper: Annotated[str, _option("a4, a5, letter, or a size such as 120x80mm.", PAPER)] = "a4",
-    orientation: Annotated[str, _option("auto, portrait or landscape.", PAPER)] = "auto",
-    margin: Annotated[float, _mm("White kept around the drawing.", PAPER)] = "15mm",  # type: ignore[assignment]
-    width: Annotated[float | None, _mm("Width of the drawing; all the room when left out.", PAPER)] = None,
-    height: Annotated[float | None, _mm("Height of the drawing.", PAPER)] = None,
-    fit: Annotated[str, _option("contain, cover or stretch, when both sides are known.", PAPER)] = "contain",
-    canvas: Annotated[Path | None, _option("SVG outline to draw in, its page laid over the picture.", PAPER, metavar="FILE")] = None,
-    check_bar: Annotated[bool, _flag("--check-bar", "Draw a 10 mm bar in the margin.", PAPER)] = False,
-    tone: Annotated[str, _option("auto: suits the pen; linear: physically exact; grey: by code value.", TONE)] = "auto",
-    gamma: Annotated[float, _option("Power of coverage; above 1 opens shadows.", TONE)] = 1.0,
-    black_point: Annotated[float | None, _option("Code value, 0 to 1, that is full ink.", TONE)] = None,
-    white_point: Annotated[float | None, _option("Code value, 0 to 1, that is white paper.", TONE)] = None,
-    invert: Annotated[bool, _flag("--invert", "Swap light and dark.", TONE)] = False,
-    crop: Annotated[str | None, _option("left,top,width,height, shares of 1.", TONE, parser=_crop, metavar="L,T,W,H")] = None,
-    local_contrast: Annotated[float, _option("0 to 1, stress on detail.", TONE)] = 0.0,
-    max_pixels: Annotated[int, _option("Refuse larger pictures.", TONE)] = 200_000_000,
-    seed: Annotated[int, _option("Same seed, same drawing.", RUN, min=0)] = 0,
-    report: Annotated[Path | None, _option("Write what came of it as JSON; - prints it.", RUN, metavar="FILE")] = None,
-    quiet: Annotated[bool, _flag("--quiet", "No progress and no summary.", RUN)] = False,
-    overwrite: Annotated[bool, _option("Replace files that are there.", RUN)] = True,
-    dry_run: Annotated[bool, _flag("--dry-run", "Say size, dots and time, and write nothing.", RUN)] = False,
+    report: Annotated[
+        Path | None, typer.Option(help="Write what came of it as JSON; - prints it.", rich_help_panel=RUN, metavar="FILE")
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No progress and no summary.", rich_help_panel=RUN)] = False,
+    overwrite: Annotated[bool, typer.Option(help="Replace files that are there.", rich_help_panel=RUN)] = True,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say size, dots and time, and write nothing.", rich_help_panel=RUN)] = False,
 ) -> None:
-    """Only its signature is used: the options of every style."""
+    """Only its signature is used: the options of all that draws."""
 
 
-def command(name: str, draw: Callable[..., int]) -> Callable[..., int]:
-    """A function for Typer to read: the options of a style and the shared ones are its signature.
+def drawing(style: str, draw: Callable[..., int]) -> Callable[..., int]:
+    """A function for Typer to read, whose options are those of a style.
 
-    It calls draw(name, knobs, **shared).
+    It calls draw(wanted, picture=, recipe=, **running); `recipe` is the TOML that settings were taken from, or None.
     """
-    knobs = styles.knobs(name)
-    parameters = [
-        inspect.Parameter(key, inspect.Parameter.KEYWORD_ONLY, default=_default(knob), annotation=_annotation(knob))
-        for key, knob in knobs.items()
-    ]
-    shared = inspect.signature(_shared, eval_str=True).parameters
+    picture = Annotated[Path, typer.Argument(help="The picture: PNG, JPEG, TIFF, WebP, GIF, BMP.", show_default=False, metavar="PICTURE")]
+    taken = typer.Option(
+        help="Settings from this TOML; options given here go before.",
+        rich_help_panel=RUN,
+        metavar="FILE",
+        is_eager=True,
+        callback=lambda context, path: _settings(context, style, path),
+    )
+    seed = typer.Option(help="Same seed, same drawing.", rich_help_panel=RUN, min=0)
+    tables = {table: recipe.takes_of(table, style) for table in TABLES}
+    out, *rest = inspect.signature(_running, eval_str=True).parameters.values()
+    every = [_parameter("picture", picture), out]
+    every += [_option(knob, table) for table, takes in tables.items() for knob in takes.values()]
+    every += [_parameter("seed", Annotated[int, seed], 0), _parameter("recipe", Annotated[Path | None, taken], None), *rest]
 
     def called(**values: Any) -> int:
-        """Parts the style's own values from the shared ones."""
-        chosen = {key: values.pop(key) for key in knobs}
-        return draw(name, chosen, **values)
+        """Parts the settings from the options of the running."""
+        settings: dict[str, Any] = {table: {key: values.pop(key) for key in takes} for table, takes in tables.items()}
+        settings["files"] = {key: value for key, value in settings["files"].items() if value is not None}
+        return draw(Recipe(style, values.pop("seed"), **settings), **values)
 
-    every = [*shared.values(), *parameters]
-    called.__signature__ = inspect.Signature(every)  # type: ignore[attr-defined]
-    called.__annotations__ = {p.name: p.annotation for p in every}
-    return called
+    return _signed(called, every)
 
 
-def _default(knob: styles.Knob) -> Any:
-    """Lengths are text on the command line, defaults too."""
-    is_length = isinstance(knob.takes, styles.Range) and knob.takes.unit == "mm"
-    return f"{knob.default:g}mm" if is_length and knob.default is not None else knob.default
+def running(call: Callable[..., int]) -> Callable[..., int]:
+    """A function for Typer to read: the parameters of `call` that have a place, and the options of the running.
+
+    It calls `call` with all by keyword.
+    """
+    own = inspect.signature(call, eval_str=True).parameters.values()
+    extra = inspect.signature(_running, eval_str=True).parameters.values()
+
+    def called(**values: Any) -> int:
+        return call(**values)
+
+    return _signed(called, [*(p for p in own if p.kind is p.POSITIONAL_OR_KEYWORD), *extra])
 
 
-def _annotation(knob: styles.Knob) -> Any:
-    takes, panel = knob.takes, "The style's knobs"
+def _signed(function: Callable[..., int], parameters: list[inspect.Parameter]) -> Callable[..., int]:
+    function.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        [p.replace(kind=p.KEYWORD_ONLY) for p in parameters]
+    )
+    function.__annotations__ = {p.name: p.annotation for p in parameters}
+    return function
+
+
+def _settings(context: typer.Context, style: str, path: Path | None) -> Path | None:
+    """Puts the settings of a TOML recipe in place of the options' defaults; the files it names are looked for beside it."""
+    if path is None:
+        return None
+    taken = recipe.read_toml(contents(path), str(path))
+    if taken.style != style:
+        raise ValueError(f"{path}: is a recipe for the style {taken.style}; say crowquill {taken.style}")
+    taken = taken.with_paths({key: path.parent / name for key, name in recipe.files_of(taken).items()})
+    values = {key: value for table in TABLES for key, value in getattr(taken, table).items() if value is not None}
+    context.default_map = {**values, "seed": taken.seed}
+    return path
+
+
+def _parameter(name: str, annotation: Any, default: Any = inspect.Parameter.empty) -> inspect.Parameter:
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+
+
+def _option(knob: Knob, table: str) -> inspect.Parameter:
+    """The option of a knob. Lengths are text on the command line, defaults too; what files ask for has no default here."""
+    takes = knob.takes
+    default, shown = knob.default, None
+    more: dict[str, Any] = {}
     kind: Any = str
-    help = takes.help[0].upper() + takes.help[1:]
-    option = _option(f"{help}.", panel)
-    if isinstance(takes, styles.Choice):
-        option = _option(f"{help}: {', '.join(takes.names)}.", panel)
-    elif isinstance(takes, styles.Range):
+    text = takes.help[0].upper() + takes.help[1:]
+    if isinstance(takes, Choice):
+        text = f"{text}: {', '.join(takes.names)}"
+    elif isinstance(takes, Flag):
+        kind = bool
+    elif isinstance(takes, Range):
         kind = int if knob.whole else float
         if takes.unit == "mm":
-            option = _mm(f"{help}.", panel)
-    return Annotated[kind | None if knob.default is None else kind, option]
+            more = {"parser": lengths, "metavar": "LENGTH"}
+            default = f"{default:g}mm" if default is not None else None
+    elif isinstance(takes, Numbers):
+        more = {"parser": lambda value: _several(value, takes), "metavar": "A,B,..."}
+    elif isinstance(takes, Text) and takes.file:
+        more = {"metavar": "NAME|FILE"}
+    if table == "files":
+        default, shown = None, None if default in (None, False) else str(default)
+    names = [f"--{knob.name.replace('_', '-')}"] if kind is bool else []
+    option = typer.Option(
+        *names, help=f"{text}.", rich_help_panel=PANELS[table], show_default=shown or default not in (None, False), **more
+    )
+    return _parameter(knob.name, Annotated[kind | None if default is None else kind, option], default)
+
+
+def lengths(value: Any) -> float:
+    """A length typed, or taken from a recipe, where it is a number of millimetres."""
+    return float(value) if isinstance(value, (int, float)) else _asked(units.length, value)
+
+
+def _several(value: Any, takes: Numbers) -> tuple[float, ...]:
+    """Numbers parted by commas, or from a recipe."""
+    parts = value.split(",") if isinstance(value, str) else value
+    if takes.unit == "mm":
+        return tuple(lengths(part) for part in parts)
+    try:
+        return tuple(float(part) for part in parts)
+    except ValueError:
+        raise typer.BadParameter(f"{value!r} is not {takes.help}, such as 0.1,0,0.8,1") from None
+
+
+def _asked(read: Callable[[str], float], text: str) -> float:
+    try:
+        return read(text)
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None

@@ -1,0 +1,152 @@
+"""Drawing on the command line: from a recipe and its sources to files, with progress, a report and a line at the end."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import sys
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from crowquill import formats, making, options, styles
+from crowquill.commands import note, plain, say
+from crowquill.recipe import PICTURE, Recipe, files_of
+from crowquill.sheet import Sheet, Step
+from crowquill.tone import Tone
+
+
+def command(style: str) -> Callable[..., int]:
+    """The command of a style, for Typer to read."""
+    return options.drawing(style, _drawn)
+
+
+def _drawn(wanted: Recipe, *, picture: Path, out: list[Path], recipe: Path | None, **run: Any) -> int:
+    """One drawing from picture to files."""
+    began = time.perf_counter()
+    sources = making.read(recipe)[0].sources if recipe else {}
+    if PICTURE in sources and sources[PICTURE].name != picture.name:
+        note(f"{recipe} was made for {sources[PICTURE].name}; its settings are used for {picture.name}")
+    paths = {PICTURE: picture, **{key: Path(value) for key, value in files_of(wanted).items()}}
+    formats.writers(Sheet((1, 1)), [(path, None) for path in out], _of_formats(wanted))
+    check(paths.values(), out, **run)
+    return draw(wanted, paths, out, began=began, named=making.named, **run)
+
+
+def check(sources: Iterable[Path], out: list[Path], *, report: Path | None, overwrite: bool, **_: Any) -> None:
+    """Raises the error that writing would raise, before any work is done."""
+    for path in out:
+        formats.module(path.suffix[1:].lower(), str(path))
+    told = [report] if report and str(report) != "-" else []
+    formats.check([*out, *told], overwrite=overwrite, sources=list(sources))
+
+
+def draw(
+    wanted: Recipe,
+    paths: Mapping[str, Path],
+    out: list[Path],
+    *,
+    began: float,
+    named: Callable[[Recipe, Mapping[str, Path]], Recipe] = lambda wanted, _: wanted,
+    report: Path | None,
+    quiet: bool,
+    dry_run: bool,
+    **_: Any,
+) -> int:
+    """The files that a recipe and its sources give; `named` makes of them what the files keep, once they have been read."""
+    with _silence():
+        page, tone = making.laid_out(wanted, paths)
+    work = making.steps(named(wanted, paths), paths, page, tone)
+    if dry_run:
+        return _foretold(work, tone, page)
+    sheet = styles.run(work) if quiet else _watched(work)
+    warnings = [*tone.notes, *sheet.report["warnings"]]
+    facts = {**sheet.report, "paper_mm": list(sheet.size), "files": [str(path) for path in out], "warnings": warnings}
+    told = _Report(facts, began)
+    takes = {key for path in out for key in formats.knobs(path.suffix[1:].lower())}
+    values = {key: value for key, value in wanted.files.items() if key in takes}
+    plan = list(zip(out, formats.writers(sheet, [(path, None) for path in out], values), strict=True))
+    to_file = report is not None and str(report) != "-"
+    if report and to_file:
+        plan.append((report, lambda file: file.write(f"{told.text()}\n".encode())))
+    formats.replace_files(plan)
+    for warning in warnings:
+        note(warning)
+    if report and not to_file:
+        say(told.text())
+    elif not quiet:
+        say(told.summary())
+    return 0
+
+
+def _of_formats(wanted: Recipe) -> dict[str, Any]:
+    """The settings of files that are knobs of formats."""
+    return {key: value for key, value in wanted.files.items() if key != "embed"}
+
+
+class _Report:
+    """What came of a drawing, as JSON and as a line; the time of writing is known only when it is asked for."""
+
+    def __init__(self, facts: dict[str, Any], began: float) -> None:
+        self.facts, self._began, self._drawn = facts, began, time.perf_counter()
+
+    def text(self) -> str:
+        """The report as JSON."""
+        now = time.perf_counter()
+        last = {"write": round(now - self._drawn, 3), "total": round(now - self._began, 3)}
+        return json.dumps({**self.facts, "seconds": {**self.facts["seconds"], **last}}, indent=2)
+
+    def summary(self) -> str:
+        """What was drawn, how large, with how much ink, where."""
+        facts, art, page = self.facts, self.facts["art_mm"], self.facts["paper_mm"]
+        return (
+            f"{facts['marks']} marks, {art[0]:.4g} x {art[1]:.4g} mm on {page[0]:g} x {page[1]:g} mm, "
+            f"ink {facts['ink_placed_mm2']:.0f} of {facts['ink_asked_mm2']:.0f} mm2, "
+            f"{time.perf_counter() - self._began:.1f} s: {plain(', '.join(facts['files']))}"
+        )
+
+
+@contextlib.contextmanager
+def _silence() -> Iterator[None]:
+    """Keeps C libraries that read pictures from writing to stderr themselves: what is wrong is said once, by us."""
+    sys.stderr.flush()
+    kept, nothing = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nothing, 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nothing)
+
+
+def _foretold(work: styles.Work, tone: Tone, page: tuple[float, float]) -> int:
+    """What a style's first Step says of the work to come."""
+    facts = next(work).facts
+    work.close()
+    say(f"paper  {page[0]:g} x {page[1]:g} mm")
+    say(f"art    {tone.size[0]:.4g} x {tone.size[1]:.4g} mm")
+    say(f"ink    {tone.ink:.1f} mm2 asked")
+    for name, value in facts.items():
+        say(f"{name:<6} {value:g}" if name != "seconds" else f"time   about {value:g} s")
+    return 0
+
+
+def _watched(work: styles.Work) -> Sheet:
+    """The sheet, with a progress bar on a terminal."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description:<8}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bars:
+        shown: dict[str, Any] = {}
+
+        def watch(step: Step) -> None:
+            if step.stage not in shown:
+                shown[step.stage] = bars.add_task(step.stage, total=step.total)
+            bars.update(shown[step.stage], completed=step.done, total=step.total)
+
+        return styles.run(work, watch)
