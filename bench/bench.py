@@ -6,11 +6,13 @@ asserted. `python bench/bench.py quick` leaves out the two whole plates.
 
 import os
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,7 @@ import numpy as np
 import shapely
 from scipy.spatial import Delaunay
 
+import crowquill
 from crowquill import cells, hilbert, moments
 from crowquill.tone import Tone
 
@@ -97,9 +100,28 @@ def plates(d: float, program: str) -> None:
         marks = int(Path(f"{folder}/report.json").read_text().split('"marks": ')[1].split(",")[0])
         row(f"A4 plate, 0.3 mm pen, {marks} dots, 30 iterations, PDF and SVG, warm", (taken, taken, 0.0), d, "bar 60 D")
         print(f"{'':<66} {memory:8.0f} MB, bar 1500")
+        written(d, f"{folder}/plate.svg", folder)
         specimen = str(Path(__file__).parent.parent / "gallery" / "specimen.png")
         taken, _ = process(program, "stipple", specimen, *out, "--quiet", folder=f"{folder}/cache", fresh=True)
         row("first drawing ever: the specimen's plate, compiling all", (taken, taken, 0.0), d, "bar 60 D")
+
+
+BITMAP = "import sys, crowquill; crowquill.save(crowquill.load(sys.argv[1]), sys.argv[2], dpi=1200, bilevel=True)"
+
+
+def written(d: float, drawing: str, folder: str) -> None:
+    """The same plate as outlines, as characters of a font, and as a bitmap; and what Poppler takes to show it."""
+    sheet = crowquill.load(drawing)
+    dots = len(sheet.marks)
+    for name, more in (("outlines", {}), ("compact", {"compact": True})):
+        path = Path(folder, f"{name}.pdf")
+        row(f"PDF, {name}", seconds(partial(crowquill.save, sheet, path, **more), 2), d, f"{path.stat().st_size / dots:.1f} bytes a dot")
+        if shutil.which("pdftoppm"):
+            shown = ("pdftoppm", "-r", "600", "-gray", "-singlefile", str(path), f"{folder}/shown")
+            row(f"Poppler at 600 dpi, {name}", seconds(partial(subprocess.run, shown, check=True), 3), d)
+    taken, memory = process(sys.executable, "-c", BITMAP, drawing, f"{folder}/plate.tiff", folder=folder, fresh=False)
+    row("1-bit TIFF at 1200 dpi, reading the SVG included", (taken, taken, 0.0), d)
+    print(f"{'':<66} {memory:8.0f} MB at most, of all processes so far")
 
 
 if __name__ == "__main__":

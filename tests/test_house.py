@@ -18,13 +18,20 @@ SOURCE = ROOT / "src" / "crowquill"
 # Who may import whom: a module imports from lines above its own, and from no other module of its line.
 LAYERS = """
 units kernel
+knobs
 paths
 hilbert halftone vector picture delaunay
-tone sheet
-cells glyphs
+tone tracing sheet
+cells glyphs raster
 moments measure
-relax
+spectrum quadrature
+spacing
+relax lettering
+stippling
+layout contact
 styles formats
+recipe
+making
 __init__
 options
 commands

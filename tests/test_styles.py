@@ -14,8 +14,8 @@ import shapely
 
 import crowquill
 from crowquill import Sheet, Tone, styles
+from crowquill.knobs import Choice, Flag, Knob, Numbers, Range, Text
 from crowquill.sheet import Marks
-from crowquill.styles import Choice, Knob, Range, Text
 
 STYLES = styles.names()
 UM = 1e-3  # mm: lengths on a sheet are whole micrometres
@@ -105,22 +105,34 @@ def test_the_same_seed_gives_the_same_bytes_and_another_does_not(style):
     assert one == same and one != other
 
 
+def bound(style: str) -> float:
+    """How far the ink of a style may be from what is asked: 1 % of it, or the INK of its module, which says why."""
+    module = importlib.import_module(styles.style(style).__module__)
+    return float(getattr(module, "INK", 0.01))
+
+
 @pytest.mark.parametrize("style", STYLES)
 def test_the_ink_on_paper_is_the_ink_asked_for(style):
     sheet = drawn_and_checked(style, RAMP)
     assert sheet.report["ink_asked_mm2"] == pytest.approx(RAMP.ink, rel=1e-3)  # what is lighter than a white cutoff may be left out
     ink = inked(sheet)
-    assert ink == pytest.approx(RAMP.ink, rel=0.01)  # the promise to every reader
+    assert ink == pytest.approx(RAMP.ink, rel=bound(style))  # the promise to every reader
     assert sheet.report["ink_placed_mm2"] == pytest.approx(ink, rel=1e-3)  # sampled to 1e-4, outlines snapped to 1 um
 
 
-def test_the_measured_ink_sees_marks_that_are_missing():
-    sheet = crowquill.draw(STYLES[0], LITTLE)
+def test_a_style_is_held_to_one_percent_unless_it_states_a_bound(monkeypatch):
+    assert bound("stipple") == 0.01
+    monkeypatch.setattr("crowquill.styles.stipple.INK", 0.05, raising=False)
+    assert bound("stipple") == 0.05
+
+
+@pytest.mark.parametrize("style", STYLES)
+def test_the_measured_ink_sees_art_that_is_missing(style):
+    sheet = crowquill.draw(style, LITTLE)
     art = sheet.layers[0].art
-    assert isinstance(art, Marks)
-    fewer = replace(sheet, layers=(replace(sheet.layers[0], art=art.take(slice(len(art) // 20, None))),))
-    assert inked(fewer) == pytest.approx(0.95 * inked(sheet), rel=0.02)  # a twentieth gone; where marks overlap, less shows
-    assert inked(fewer) < 0.98 * inked(sheet)
+    fewer = replace(sheet, layers=(replace(sheet.layers[0], art=art.take(np.flatnonzero(np.arange(len(art)) % 20))), *sheet.layers[1:]))
+    assert inked(fewer) < 0.98 * inked(sheet)  # a twentieth of the art is gone; where art overlaps, less of it shows
+    assert inked(fewer) > 0.90 * inked(sheet)
 
 
 @pytest.mark.parametrize("style", STYLES)
@@ -148,7 +160,8 @@ def test_the_recipe_draws_the_same_sheet_again(style):
     sheet = crowquill.draw(style, LITTLE, seed=5)
     recipe = sheet.recipe
     again = crowquill.draw(recipe["style"], LITTLE, seed=recipe["seed"], **recipe["knobs"])
-    assert bytes_of(again) == bytes_of(sheet) and set(recipe["knobs"]) == set(styles.knobs(style))
+    given = {name for name, knob in styles.knobs(style).items() if knob.default is not None}  # the others are left to the style
+    assert bytes_of(again) == bytes_of(sheet) and set(recipe["knobs"]) == given
 
 
 @pytest.mark.parametrize("style", STYLES)
@@ -199,14 +212,20 @@ def test_a_knob_takes_its_default_and_what_its_range_says_and_nothing_else(style
         bad = [takes.low - least, takes.high + least, math.nan, math.inf, -math.inf, "1", True, []]
         bad += [takes.low + 0.5] if knob.whole else []
         bad += [] if knob.default is None else [None]
+    elif isinstance(takes, Flag):
+        good, bad = [True, False], [0, 1, "yes", None, []]
+    elif isinstance(takes, Numbers):
+        good = [(takes.low,), [takes.high, takes.low]] if takes.count is None else [(takes.low,) * takes.count]
+        bad = [(), 1.0, "1", (takes.low - 1,) * (takes.count or 1), (math.nan,) * (takes.count or 2)]
     else:
         assert isinstance(takes, Text)
-        good, bad = [], []
+        good, bad = [], [1, True, []]
     for value in good:
         styles.steps(style, WHITE, **{knob.name: value}).close()
     for value in bad:
         said = refusal(style, **{knob.name: value})
-        assert knob.name in said and repr(value) in said and "; " in said, said
+        told = value[0] if isinstance(value, tuple) and value else value  # of several numbers the one that will not do
+        assert knob.name in said and repr(told) in said and "; " in said, said
 
 
 @pytest.mark.parametrize(("style", "knob"), KNOBS)

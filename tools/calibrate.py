@@ -1,4 +1,4 @@
-"""Prints the NOMINAL and RENDERED columns of styles/stipple.py: what relaxed dots cover when their areas sum to more.
+"""Prints the NOMINAL and RENDERED columns of stippling.py: what relaxed dots cover when their areas sum to more.
 
 Flat tones are stippled without any correction for overlap, with the style's own start and steps,
 and the union of the dots is measured away from the border. Mean of three seeds.
@@ -7,8 +7,7 @@ and the union of the dots is measured away from the border. Mean of three seeds.
 import numpy as np
 
 from crowquill import glyphs, measure, relax
-from crowquill.sheet import Marks
-from crowquill.styles.stipple import NOMINAL
+from crowquill.stippling import NOMINAL, dotted
 from crowquill.tone import Tone
 
 SIDE, PEN = 30.0, 0.3  # mm
@@ -21,10 +20,7 @@ def covered(nominal: float, seed: int) -> float:
     library = glyphs.load("nib-03").glyphs
     sites = relax.scatter(tone, round(nominal * SIDE**2 / (np.pi * PEN**2 / 4)), rng)
     sites = next(state.sites for state in relax.lloyd(sites, tone) if state.done == 30)
-    sizes = np.array([glyph.size for glyph in library])
-    which = rng.integers(len(library), size=len(sites))
-    scale = PEN * np.sqrt(np.pi) / 2 * sizes[which] / np.sqrt((sizes**2).mean())
-    marks = Marks.of(sites, library, scale=scale, angle=rng.uniform(0, 2 * np.pi, len(sites)), glyph=which)
+    marks = dotted(sites, library, PEN, rng)
     cover = measure.rendered(marks, (SIDE, SIDE), (30, 30), pitch=PEN / 40)
     # what the middle really holds: borders have a ring of dots of their own
     middle = ((sites > 2) & (sites < SIDE - 2)).all(axis=1)

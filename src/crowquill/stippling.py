@@ -1,0 +1,316 @@
+"""What styles of sites share: how many a tone takes and where they settle, and dots of ink on them with no more overlap than asked."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Generator
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from crowquill import relax
+from crowquill.paths import Array
+from crowquill.sheet import Glyph, Marks, Step
+from crowquill.tone import Tone
+
+PEN = 0.3  # mm, the commonest technical pen
+CAP = 0.97  # coverage that overlapping dots still reach with a fifth more ink than paper
+
+# Coverage that relaxed dots of the shipped libraries really give when their areas sum to this share of
+# the paper: below 0.6 they hardly touch. Written by tools/calibrate.py.
+NOMINAL = np.array([0.0, 0.2, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3, 1.4])
+RENDERED = np.array([0.0, 0.2001, 0.3998, 0.5004, 0.5998, 0.6971, 0.7847, 0.8581, 0.9155, 0.9525, 0.9761, 0.9902, 0.9979])
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How many dots of what diameter, and where they are wanted.
+
+    demand   where dots go, as a tone: how densely, over the densest there can be
+    nominal  the areas of dots on so much paper, overlap not taken off, over NOMINAL's last figure
+    white    (h, w) pixels that must stay free of dots
+    ink      mm^2 asked for, that on white not counted
+    pen      mm, the diameter; of dots that differ, that of their mean area
+    largest  mm, the diameter of the largest dots; spans of sizes are shares of it
+    shared   whether importance moved dots of one size about, so that tone is kept on the whole only
+    """
+
+    demand: Tone
+    nominal: Tone
+    white: npt.NDArray[np.bool_]
+    ink: float
+    pen: float
+    largest: float
+    dots: int
+    shared: bool
+
+
+class Clock:
+    """Seconds by stage."""
+
+    def __init__(self) -> None:
+        self.laps: dict[str, float] = {}
+        self._last = time.perf_counter()
+
+    def lap(self, stage: str) -> None:
+        """Ends a stage; what it took is added to its earlier rounds."""
+        now = time.perf_counter()
+        self.laps[stage] = round(self.laps.get(stage, 0.0) + now - self._last, 3)
+        self._last = now
+
+
+def expected_seconds(dots: int, iterations: int) -> float:
+    """About how long a drawing will take here, from one small triangulation timed now and the ratios that bench/ prints."""
+    from scipy.spatial import Delaunay
+
+    sites = np.random.default_rng(0).random((5000, 2))
+    began = time.perf_counter()
+    Delaunay(sites)
+    unit = 20 * (time.perf_counter() - began)  # about the time of 100 000 sites
+    return round(unit * dots / 100_000 * (0.35 * (iterations + 1) + 3) + 1, 1)
+
+
+def cut_white(tone: Tone, white: float, rule: str = "before") -> tuple[Tone, npt.NDArray[np.bool_]]:
+    """The tone that is asked for, and the pixels that must stay free: those below the cutoff.
+
+    By the rule "before" nothing is asked of them; by "after" what is there is drawn, and removed at the end.
+    """
+    blank = tone.coverage < white
+    if rule != "before":
+        return tone, blank
+    asked = tone.mapped(lambda c: np.where(blank, 0.0, c))
+    return asked, blank | (asked.coverage == 0)
+
+
+def widest(tone: Tone, pen: float | None, default: float) -> float:
+    """The pen, or the default one as fine as the canvas is narrow. Raises ValueError for a pen wider than the canvas."""
+    across = float(np.diff(np.array(shapely.bounds(tone.canvas)).reshape(2, 2), axis=0).min())
+    if pen is not None and pen > across:
+        raise ValueError(f"a pen of {pen:g} mm is wider than the canvas of {across:.4g} mm; use a finer pen")
+    return min(default, across) if pen is None else pen
+
+
+def planned(
+    tone: Tone,
+    *,
+    pen: float | None,
+    dots: int | None,
+    white: float,
+    white_rule: str,
+    min_gap: float,
+    max_dots: int,
+    span: tuple[float, float] = (1.0, 1.0),
+) -> Plan:
+    """How many dots of what diameter the tone takes, before any is placed.
+
+    span  diameters of the smallest and the largest dots over the pen's: the mean area of dots rises from the one's
+          where it is white to the other's where it is darkest, in proportion to the ink
+    """
+    asked, blank = cut_white(tone, white, white_rule)
+    across = widest(tone, None, np.inf)
+    width = widest(tone, pen, PEN)
+    for _ in range(2 if dots is not None and pen is None else 0):  # how wide a dot is decides how far around it tone is looked at
+        ink = _ink(*_crowded(*_nominal(asked, width, span, min_gap), span))
+        width = min(across, 2 * float(np.sqrt(ink / (np.pi * (dots or 1)))) / span[1]) if ink else PEN
+    nominal, top = _nominal(asked, width, span, min_gap)
+    crowd, peak = _crowded(nominal, top, span)
+    ink = _ink(crowd, peak)
+    wanted = round(ink / (np.pi * (span[1] * width) ** 2 / 4)) if dots is None else dots if ink else 0
+    if wanted > max_dots:
+        raise ValueError(
+            f"the picture takes {wanted} dots of {width:g} mm, over the limit of {max_dots}; "
+            "draw it smaller, use a wider pen, or raise max-dots"
+        )
+    one = span[0] == span[1]
+    mean = width if one or not wanted else 2 * float(np.sqrt(_ink(nominal) / (np.pi * wanted)))
+    wish = importance(tone) if one and wanted else None
+    demand = crowd if wish is None else _shared_out(crowd, wish)
+    moved = wish is not None and bool(np.ptp(wish[crowd.coverage > 0]) > 0)
+    demand, nominal = (replace(part, importance=None) for part in (demand, nominal))
+    return Plan(demand, nominal, blank, tone.mapped(lambda c: np.where(blank, 0.0, c)).ink, mean, span[1] * width, wanted, moved)
+
+
+def importance(tone: Tone) -> Array | None:
+    """How much finer dots are wished for, (h, w): 1/2 to 2, 1 where nothing is said; None without a map of importance."""
+    return None if tone.importance is None else np.asarray(2.0 ** (2 * tone.importance - 1))
+
+
+def _cap(pen: float, gap: float) -> float:
+    """The greatest coverage to ask for.
+
+    Dots that must stay apart cover less: relaxed ones of this width and more than 0.46 of the paper begin to
+    break the gap. That many would have to go again, most of them where it is darkest.
+    """
+    return min(CAP, 0.46 * (pen / (pen + gap)) ** 2) if gap else CAP
+
+
+def _nominal(asked: Tone, pen: float, span: tuple[float, float], gap: float) -> tuple[Tone, float]:
+    """Coverage before overlap over NOMINAL's last, and its greatest value where it is darkest.
+
+    How much dots overlap follows the tone around a dot, not under one pixel: fine texture
+    keeps its mean.
+    """
+    from scipy.ndimage import gaussian_filter
+
+    cap = _cap(pen * span[1], gap)
+    around = pen * float(np.sqrt((span[0] ** 2 + span[1] ** 2) / 2))
+    sigma = [around / side for side in reversed(asked.pixel)]
+    near = np.clip(gaussian_filter(np.minimum(asked.coverage, cap), sigma, mode="nearest", truncate=3.0), 1e-6, cap)
+    swell = np.interp(near, RENDERED, NOMINAL) / near
+    nominal = asked.mapped(lambda c: np.clip(np.minimum(c, cap) * swell / NOMINAL[-1], 0, 1))
+    return nominal, float(np.interp(cap, RENDERED, NOMINAL)) / NOMINAL[-1]
+
+
+def _ink(crowd: Tone, peak: float = 1.0) -> float:
+    """mm^2 of dots if each were of the largest, overlap not taken off."""
+    return crowd.ink * peak * float(NOMINAL[-1])
+
+
+def _crowded(nominal: Tone, top: float, span: tuple[float, float]) -> tuple[Tone, float]:
+    """How densely dots lie, over the densest there may be, and that over as many of the largest as cover NOMINAL's last.
+
+    The mean area of a dot rises with the nominal coverage, up to the largest's at `top`. Where it is important dots
+    are finer, but no finer than the smallest.
+    """
+    if span[0] == span[1]:
+        return nominal, 1.0
+    least, wish = (span[0] / span[1]) ** 2, importance(nominal)
+    area = (least + (1 - least) * nominal.coverage / top) / (1.0 if wish is None else wish**2)
+    density = nominal.coverage / np.clip(area, least, 1)
+    peak = max(1.0, float(density.max()))
+    return nominal.mapped(lambda _: density / peak), peak
+
+
+def _shared_out(demand: Tone, wish: Array) -> Tone:
+    """The same dots in all, more where they are wished for: demand times wish times a number, no more than can be placed."""
+    most, scale, shared = demand.ink, 1.0, demand
+    for _ in range(50):
+        shared = demand.mapped(partial(lambda scale, c: np.minimum(1, c * wish * scale), scale))
+        if abs(shared.ink - most) <= 1e-6 * most:
+            break
+        scale *= most / shared.ink
+    return shared
+
+
+def settled(
+    demand: Tone,
+    dots: int,
+    rng: np.random.Generator,
+    clock: Clock,
+    *,
+    start: str,
+    iterations: int,
+    until: float = 0.0,
+    step: float = 1.8,
+    exponent: float = 2.0,
+    banned: npt.NDArray[np.bool_] | None = None,
+) -> Generator[Step, None, relax.State]:
+    """Steps of sites being placed by the demand and relaxed; returns the last state, that of no sites where there are none."""
+    sites = relax.scatter(demand, dots, rng, start)
+    yield Step("place", 1, 1, {"dots": len(sites)})
+    clock.lap("place")
+    for state in relax.lloyd(sites, demand, step=step, exponent=exponent, banned=banned):
+        if not len(sites):
+            break
+        yield Step("relax", state.done, iterations, {"energy": state.energy, "movement": state.movement})
+        if state.done >= iterations or state.movement < until:
+            break
+    clock.lap("relax")
+    return state
+
+
+def snapped(sites: Array, tone: Tone, white: npt.NDArray[np.bool_]) -> tuple[Array, npt.NDArray[np.bool_]]:
+    """Sites in whole micrometres, and which of them may stay: in the canvas and not on white.
+
+    A site whose nearest micrometre is across a border takes one on its own side.
+    """
+    best = np.round(sites, 3)
+    good = allowed(best, tone, white)
+    for x in (np.floor, np.ceil):
+        for y in (np.floor, np.ceil):
+            lost = np.flatnonzero(~good)
+            other = np.stack([x(sites[lost, 0] * 1000), y(sites[lost, 1] * 1000)], axis=1) / 1000
+            mends = allowed(other, tone, white)
+            best[lost[mends]] = other[mends]
+            good[lost[mends]] = True
+    return best, good
+
+
+def allowed(sites: Array, tone: Tone, white: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Which places lie in the canvas and not on white."""
+    return np.asarray(tone.holds(sites) & ~white[tone.under(sites)])
+
+
+def dotted(sites: Array, glyphs: tuple[Glyph, ...], diameter: float | Array, rng: np.random.Generator) -> Marks:
+    """A glyph at each site, turned at random.
+
+    diameter  one for all, about which true diameters keep their spread; or (n,) mm, which are kept to
+    """
+    glyph = rng.permutation(np.arange(len(sites)) % len(glyphs))  # each as often as any other
+    spread: Array | float = 1.0
+    if isinstance(diameter, float) and len(sites):
+        sizes = np.array([glyph.size for glyph in glyphs])[glyph]
+        spread = sizes / np.sqrt((sizes**2).mean())
+    scale = diameter * np.sqrt(np.pi) / 2 * spread
+    return Marks.of(sites, glyphs, scale=scale, angle=rng.uniform(0, 2 * np.pi, len(sites)), glyph=glyph)
+
+
+def together(parts: list[Marks]) -> Marks:
+    """All marks of several, in their order; of one, that one."""
+    first = np.cumsum([0, *(len(part.glyphs) for part in parts)])
+    if len(parts) == 1:
+        return parts[0]
+    xy, angle, scale = (np.concatenate([getattr(part, name) for part in parts]) for name in ("xy", "angle", "scale"))
+    glyph = np.concatenate([part.glyph + at for part, at in zip(parts, first, strict=False)])
+    return Marks(xy, angle, scale, glyph, tuple(glyph for part in parts for glyph in part.glyphs))
+
+
+def apart(marks: Marks, gap: float) -> npt.NDArray[np.bool_]:
+    """Which marks stay so that no two outlines are nearer than the gap, taking each mark as its circle of reach.
+
+    Of two that are too near, the one with more such neighbours goes, or else the later.
+    """
+    from scipy.spatial import cKDTree
+
+    reach = np.array([glyph.reach for glyph in marks.glyphs])[marks.glyph] * marks.scale
+    stay = np.ones(len(marks), bool)
+    if len(marks) < 2 or not gap:
+        return stay
+    pairs = cKDTree(marks.xy).query_pairs(2 * reach.max() + gap, output_type="ndarray")
+    near = np.hypot(*(marks.xy[pairs[:, 0]] - marks.xy[pairs[:, 1]]).T) < reach[pairs].sum(axis=1) + gap
+    pairs = pairs[near]
+    crowd = np.bincount(pairs.ravel(), minlength=len(marks))
+    pairs = np.sort(pairs, axis=1)
+    order = np.lexsort((pairs[:, 1], pairs[:, 0], -crowd[pairs].max(axis=1)))
+    for i, j in pairs[order].tolist():
+        if stay[i] and stay[j]:
+            stay[j if crowd[j] >= crowd[i] else i] = False
+    return stay
+
+
+def found(plan: Plan, sites: int, marks: int, ink: float) -> dict[str, Any]:
+    """What is reported of dots and ink, and what is to be said of it."""
+    asked, warnings = plan.ink, []
+    missing = max(0.0, 1 - ink / asked) if asked else 0.0
+    if not asked:
+        warnings.append("no ink: the picture is white, or lighter than the white cutoff, where it may be drawn on")
+    elif not plan.dots:
+        warnings.append(f"no dots: all the ink is less than half a dot of {plan.pen:.4g} mm; a finer pen would draw it")
+    elif missing > 0.02:
+        warnings.append(f"{missing:.1%} of the ink asked for is not reached; a wider pen, more dots or lighter tones would help")
+    if sites != plan.dots:
+        warnings.append(f"this start gave {sites} dots in place of {plan.dots}; --start even gives any number")
+    if plan.shared:
+        warnings.append("importance moved dots of one size about, so that tone is kept on the whole only; several sizes would keep it")
+    return {
+        "marks": marks,
+        "pen_mm": plan.pen,
+        "ink_asked_mm2": asked,
+        "ink_placed_mm2": ink,
+        "coverage_missing": missing,
+        "warnings": warnings,
+    }
