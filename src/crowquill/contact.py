@@ -10,6 +10,7 @@ from crowquill.glyphs import Library
 from crowquill.glyphs.scanning import Scan
 from crowquill.lettering import text
 from crowquill.paths import Array, Paths
+from crowquill.plots import joined
 from crowquill.sheet import Ink, Layer, Marks, Sheet
 
 PAGE = (210.0, 297.0)  # mm, A4
@@ -24,6 +25,7 @@ REASONS = {
     "merged": (0.0, 1.0, 1.0, 0.0),
     "giant": (0.7, 0.0, 1.0, 0.1),
     "cut by the border": (1.0, 0.4, 0.0, 0.0),
+    "ruler": (0.6, 0.0, 0.2, 0.3),
 }
 OTHER = (0.3, 0.9, 0.0, 0.1)
 
@@ -54,8 +56,8 @@ def of_library(library: Library) -> Sheet:
     which = np.arange(shown)
     scale = sizes[:shown] * np.sqrt(np.pi) / 2
     layers = (
-        Layer(Ink(), _joined(words), "words"),
-        Layer(GREY, _joined([*numbers, *widths]), "numbers"),
+        Layer(Ink(), joined(words), "words"),
+        Layer(GREY, joined([*numbers, *widths]), "numbers"),
         Layer(Ink(), Marks.of(at, library.glyphs, scale=scale * times, glyph=which), f"enlarged {times} times"),
         Layer(Ink(), Marks.of(true, library.glyphs, scale=scale, glyph=which), "true size"),
     )
@@ -86,7 +88,3 @@ def _grid(n: int, corner: tuple[float, float]) -> Array:
     """The middles of n squares in rows, (n, 2) mm."""
     row, column = np.divmod(np.arange(n), COLUMNS)
     return (np.stack([column, row], axis=1) + 0.5) * PITCH + corner
-
-
-def _joined(parts: list[Paths]) -> Paths:
-    return Paths.of([ring for part in parts for ring in part], cubic=True)

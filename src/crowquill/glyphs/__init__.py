@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+import base64
+import binascii
 import json
 import os
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from crowquill.paths import Array, frozen
 from crowquill.sheet import Glyph
 from crowquill.vector import contents, elements, local, shapes
 
 FOLDER = Path(__file__).parent
+WIDEST = 4096  # pixels a side of a grey patch: 3 mm at 2400 dpi are 300
+MOST = 100_000_000  # pixels of all patches of a library: 40 000 dots of 50 pixels
 
 
 @dataclass(frozen=True)
@@ -23,9 +31,33 @@ class Library:
     about: dict[str, Any]
 
 
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """A dot as it was scanned, as it lay on the page.
+
+    grey       (h, w) of the light taken, 0 (paper) to 1
+    pixel_mm   side of a pixel
+    centre_mm  (2,) the centroid of its outline, x and y from the patch's top left corner
+    """
+
+    grey: Array
+    pixel_mm: float
+    centre_mm: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "grey", frozen(self.grey, np.float64, (None, None), "grey"))
+        object.__setattr__(self, "centre_mm", frozen(self.centre_mm, np.float64, (2,), "centre_mm"))
+
+
 def names() -> list[str]:
     """The libraries that come with the package, sorted."""
     return sorted(path.stem for path in FOLDER.glob("*.svg"))
+
+
+def nearest(pen: float) -> str:
+    """The name of the library whose pen is nearest in width to this many mm, of those named nib-*; of two as near the wider."""
+    widths = {name: float(_metadata(contents(FOLDER / f"{name}.svg"), name)["pen_mm"]) for name in names() if name.startswith("nib-")}
+    return min(widths, key=lambda name: (max(widths[name] / pen, pen / widths[name]), -widths[name]))
 
 
 def load(source: str | os.PathLike[str]) -> Library:
@@ -43,10 +75,7 @@ def load(source: str | os.PathLike[str]) -> Library:
 
 def parsed(data: bytes, name: str) -> Library:
     """The library in the bytes of an SVG file; errors call it `name`."""
-    about: dict[str, Any] = {}
-    for element in elements(data, name):
-        if local(element) == "library":
-            about = _about(element.text or "{}", name)
+    about = _metadata(data, name)
     glyphs = []
     for paths, shape in shapes(data, name)[1]:
         try:
@@ -58,6 +87,12 @@ def parsed(data: bytes, name: str) -> Library:
     return Library(str(about.get("name", name)), tuple(glyphs), about)
 
 
+def _metadata(data: bytes, name: str) -> dict[str, Any]:
+    """What an SVG file says of its library; nothing where it has no <library> element."""
+    said = [element.text or "{}" for element in elements(data, name) if local(element) == "library"]
+    return _about(said[-1], name) if said else {}
+
+
 def _about(text: str, name: str) -> dict[str, Any]:
     """The metadata of a library: a JSON object."""
     try:
@@ -67,3 +102,43 @@ def _about(text: str, name: str) -> dict[str, Any]:
     if not isinstance(about, dict):
         raise ValueError(f"{name}: its metadata is not a JSON object; mend or remove its <library> element")
     return about
+
+
+def patches(library: Library) -> tuple[Patch, ...]:
+    """The grey patch of each glyph of a library, in their order; none where the library keeps none.
+
+    ValueError where the metadata under "patches" (see `scanning.library`) is broken, too large or not of these glyphs.
+    """
+    kept = library.about.get("patches")
+    if kept is None:
+        return ()
+    wrong = f"{library.name}: its grey patches"
+    try:
+        shapes, pixel = [(_whole(h), _whole(w)) for h, w in kept["shape"]], float(kept["pixel_mm"])
+        centres, text = np.array(kept["centre_mm"], np.float64).reshape(-1, 2), str(kept["grey"]).encode("ascii")
+    except (KeyError, TypeError, ValueError, OverflowError):
+        raise ValueError(f"{wrong} lack a sound pixel_mm, shape, centre_mm or grey; make the library anew") from None
+    if not len(shapes) == len(centres) == len(library.glyphs):
+        raise ValueError(f"{wrong} are {len(shapes)} with {len(centres)} centres for {len(library.glyphs)} dots; make the library anew")
+    if not 0 < pixel < 1 or not np.isfinite(centres).all():
+        raise ValueError(f"{wrong} have pixels of {pixel:g} mm or centres that are no numbers; make the library anew")
+    counts = [h * w for h, w in shapes]
+    if max(map(max, shapes), default=0) > WIDEST or sum(counts) > MOST:
+        raise ValueError(f"{wrong} have {sum(counts)} pixels; it takes {WIDEST} a side and {MOST / 1e6:g} million at most")
+    try:
+        unpacked = zlib.decompressobj()
+        grey = unpacked.decompress(base64.b64decode(text, validate=True), sum(counts) + 1)  # never more than is stated
+        whole = unpacked.eof
+    except (binascii.Error, zlib.error):
+        grey, whole = b"", False
+    if not whole or len(grey) != sum(counts):
+        raise ValueError(f"{wrong} are broken or not of their stated shapes; make the library anew")
+    parts = np.split(np.frombuffer(grey, np.uint8), np.cumsum(counts)[:-1])
+    return tuple(Patch(part.reshape(shape) / 255, pixel, centre) for part, shape, centre in zip(parts, shapes, centres, strict=True))
+
+
+def _whole(value: Any) -> int:
+    """A whole number of pixels over 0."""
+    if not isinstance(value, int) or isinstance(value, bool) or value < 1:
+        raise ValueError(f"{value} is no number of pixels")
+    return value

@@ -14,30 +14,28 @@ import re
 import zlib
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 from xml.sax.saxutils import escape
 
 import numpy as np
-import numpy.typing as npt
-from scipy import ndimage
 
 from crowquill.glyphs import parsed
-from crowquill.glyphs.outline import STRAY, edge_level, fitted, iso_contour, shape
-from crowquill.glyphs.page import Grey, Source, called, code_values, flattened, otsu, resolution
+from crowquill.glyphs.cubics import fitted
+from crowquill.glyphs.page import Covers, Grey, Source, beside, called, code_values, flattened, nowhere, otsu, smoothed, tagged
+from crowquill.glyphs.scale import aslant, fine, of_page
+from crowquill.glyphs.sorting import GIANT, sorted_out
 from crowquill.paths import Array, Paths, frozen
 from crowquill.picture import linear
 from crowquill.units import INCH
 
-Label = npt.NDArray[np.int32]
-Window = tuple[slice, slice]  # rows, columns
 Box = tuple[float, float, float, float]  # left, top, right, bottom
 
-GIANT = 3.0  # mm: no pen leaves a dot so wide
 TILE = 1.5  # mm, of the grid on which the paper's light is taken: a dot of 0.4 mm covers a twentieth
 FAINT = 0.2  # what takes less of the paper's light is no ink
-DUST = 0.3  # of the median area, and 5 pixels; diameters of one pen's dots spread by 11 % at most, three times that leaves 0.45
-MARGIN = 0.1  # mm of paper around a patch, at least 4 pixels
+STRAY = 0.003  # mm an outline may lie off its contour
+NOISY = 0.1  # pixels, or 0.7 of STRAY, by which noise may move an edge (rms) before it is smoothed: more asks for six cubics and more
+SHAKEN = 0.14  # pixels: areas are out by 3 % here and there
 FEW = 6.0  # pixels across: below, the middle of a dot is blurred too
 UNEVEN = 0.8  # of the brightest paper: less light on any part is worth a warning
 ROW = 8  # dots in a row of a library's contact sheet
@@ -52,7 +50,10 @@ class Scan:
     patches    n arrays (h, w) float32 of the light taken, 0 (paper) to 1, other dots blanked
     corners    (n, 2) mm, the top left corner of each patch on the page
     levels     (n,) of the patch, where its outline was taken: half way from paper to ink, but for the optics' rounding
-    rejected   what is no dot: why ("dust", "giant", "merged" or "cut by the border") and its box in mm
+    rejected   what is no dot: why ("dust", "giant", "merged", "cut by the border" or "ruler") and its box in mm
+    size       width and height of the page, mm
+    scale      who said the dpi: "given", "tag" (the file's) or "ruler" (the mean along it)
+    smoothing  pixels of the Gaussian that took out noise before all else, 0 on a clean page; patches have it too
     """
 
     outlines: Paths
@@ -62,6 +63,9 @@ class Scan:
     levels: Array
     rejected: tuple[tuple[str, Box], ...]
     dpi: float
+    size: tuple[float, float]
+    scale: str = "given"
+    smoothing: float = 0.0
     warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -80,130 +84,92 @@ class Scan:
 
 
 def scan(source: Source, *, dpi: float | None = None, invert: bool = False) -> Scan:
-    """The dots of a scanned page, and what on it is no dot.
+    """The dots of a scanned or photographed page, and what on it is no dot.
 
     source  path or binary file of a picture, or an array (h, w) of grey code values: 0 (black) to 1, or unsigned integers
-    dpi     pixels to the inch, 300 or more; the file's own when left out
+    dpi     pixels to the inch, 300 or more; left out, that of the file's tag, or else of a ruler with millimetres on the page
     invert  the page is a negative, white dots on black
 
-    Sizes follow from dpi alone. Raises ValueError for a page without dots, a negative not said to be one, an unknown or
-    coarse dpi.
+    Sizes follow from the scale alone. A ruler may lie at any angle; a tag under 300 dpi counts as none. Raises ValueError
+    for a page without dots, a negative not said to be one, an unknown or coarse scale.
     """
     name = called(source)
+    if dpi is not None:
+        fine(dpi, name)
+    light = _light(source, name, invert)
+    dpi, scale, ruler, said = of_page(light, name, dpi, tagged(source) if dpi is None else None)
+    mm = INCH / dpi
+    darkness, evenness = flattened(light, tile=max(4, round(TILE / mm)), hidden=ruler.shades if ruler else nowhere)
+    del light
+    hiding = (ruler.shades, ruler.covers) if ruler else (nowhere,)
+    hidden, ink, threshold = _ink(darkness, hiding)
+    bound = STRAY / mm
+    darkness, smoothing, moved = smoothed(darkness, ink, threshold, limit=max(NOISY, 0.7 * bound), hidden=hidden)
+    if smoothing:
+        hidden, ink, threshold = _ink(darkness, hiding)
+    if ink < FAINT:
+        raise ValueError(f"{name}: no dots; scan dark ink on light paper")
+    dots, rejected = sorted_out(darkness, threshold, mm, ruler)
+    if not dots:
+        counts = Counter(reason for reason, _ in rejected)
+        why = ", ".join(f"{count} {reason}" for reason, count in sorted(counts.items()))
+        raise ValueError(f"{name}: no dots of a pen ({why}); scan single dots that do not touch, at 1200 dpi")
+    rings, stray = zip(*(fitted(dot.contour, bound) for dot in dots), strict=True)
+    outlines = Paths.of([(ring + dot.corner) * mm for ring, dot in zip(rings, dots, strict=True)], cubic=True)
+    diameters = 2 * np.sqrt(outlines.areas / np.pi)
+    said += _warnings(np.array(stray), bound, moved, diameters / mm, evenness)
+    return Scan(
+        outlines,
+        diameters,
+        tuple(dot.patch for dot in dots),
+        np.array([dot.corner for dot in dots]) * mm,
+        np.array([dot.level for dot in dots]),
+        tuple((why, (x.start * mm, y.start * mm, x.stop * mm, y.stop * mm)) for why, (y, x) in rejected),
+        dpi,
+        (darkness.shape[1] * mm, darkness.shape[0] * mm),
+        scale,
+        smoothing,
+        said + (aslant(ruler, outlines, mm) if ruler else ()),
+    )
+
+
+def _ink(darkness: Grey, hiding: tuple[Covers, ...]) -> tuple[Covers, float, float]:
+    """What to hide of these, the darkness of the ink's middles by what is left, over the paper's, and the threshold that parts them."""
+    found = []
+    for k, hidden in enumerate(hiding):
+        seen = beside(darkness, hidden)
+        _, paper, threshold = otsu(seen)
+        ink, _, _ = otsu(seen[seen > threshold])  # where dots are few, the first parts shading from paper
+        found.append((ink - paper, k, max(threshold, ink / 2)))
+    ink, k, threshold = max(found)
+    return hiding[k], ink, threshold
+
+
+def _light(source: Source, name: str, invert: bool) -> Grey:
+    """The light of a page with dark ink, (h, w), 0 to 1."""
     code = code_values(source)
-    dpi = resolution(source, dpi)
     code = 1 - code if invert else code
     low, middle, high = np.quantile(code, (0, 0.5, 1)) if code.size else (0, 0, 0)
     if high - low < 0.1:  # of the code values: less than FAINT on any paper
         raise ValueError(f"{name}: no dots; scan dark ink on light paper")
     if middle < min(0.5, (low + high) / 2):
         raise ValueError(f"{name}: dark all over with light dots; {'leave out invert' if invert else 'use invert for white on black'}")
-    darkness, evenness = flattened(linear(code).astype(np.float32), tile=max(4, round(TILE * dpi / INCH)))
-    del code
-    ink, paper, threshold = otsu(darkness)
-    if ink - paper < FAINT:
-        raise ValueError(f"{name}: no dots; scan dark ink on light paper")
-    labels, _ = ndimage.label(darkness > threshold, np.ones((3, 3), int))
-    found = _sorted_out(darkness, np.asarray(labels, np.int32), dpi)
-    if not len(found.outlines):
-        why = ", ".join(f"{count} {reason}" for reason, count in sorted(found.counts.items()))
-        raise ValueError(f"{name}: no dots of a pen ({why}); scan single dots that do not touch, at 1200 dpi")
-    warnings = found.warnings
-    if evenness < UNEVEN:
-        warnings += (f"uneven light: the dimmest paper has {evenness:.0%} of the light of the brightest; press the page flat",)
-    return replace(found, warnings=warnings)
+    return linear(code).astype(np.float32)
 
 
-def _sorted_out(darkness: Grey, labels: Label, dpi: float) -> Scan:
-    """The Scan of labelled components: each is a dot, or is rejected for a reason."""
-    mm = INCH / dpi
-    areas = np.bincount(labels.ravel())[1:]
-    boxes: list[Window] = [(box[0], box[1]) for box in ndimage.find_objects(labels)]
-    reasons = [_too_large(box, area, labels.shape, mm) for box, area in zip(boxes, areas, strict=True)]
-    usual = _usual(areas[[not reason for reason in reasons]])
-    dots = []
-    for k, box in enumerate(boxes):
-        reasons[k] = reasons[k] or ("dust" if areas[k] < max(DUST * usual, 5) else "")
-        if reasons[k]:
-            continue
-        patch, corner, level = _patch(darkness, labels, k + 1, box, max(4, round(MARGIN / mm)))
-        contour = iso_contour(patch, level)
-        if _merged(contour, areas[k], usual):
-            reasons[k] = "merged"
-        else:
-            dots.append((patch, corner, level, *fitted(contour)))
-    outlines = Paths.of([(ring + corner) * mm for _, corner, _, ring, _ in dots], cubic=True)
-    diameters = 2 * np.sqrt(outlines.areas / np.pi)
-    return Scan(
-        outlines,
-        diameters,
-        tuple(dot[0] for dot in dots),
-        np.array([dot[1] for dot in dots]).reshape(-1, 2) * mm,
-        np.array([dot[2] for dot in dots]),
-        tuple((why, (x.start * mm, y.start * mm, x.stop * mm, y.stop * mm)) for why, (y, x) in zip(reasons, boxes, strict=True) if why),
-        dpi,
-        _warnings(np.array([dot[4] for dot in dots]), diameters / mm),
-    )
-
-
-def _too_large(box: Window, area: int, page: tuple[int, ...], mm: float) -> str:
-    """Why a component of so many pixels of so many mm is no whole dot, or nothing."""
-    if any(side.start < 2 or side.stop > length - 2 for side, length in zip(box, page, strict=True)):
-        return "cut by the border"
-    return "giant" if area * mm * mm > np.pi / 4 * GIANT**2 else ""
-
-
-def _usual(areas: npt.NDArray[np.integer[Any]]) -> float:
-    """The median area of single dots.
-
-    First each is counted by its diameter, which neither much dust nor a few blots move; then those near it are counted alike.
-    """
-    if not len(areas):
-        return 0.0
-    areas = np.sort(areas)
-    weight = np.cumsum(np.sqrt(areas))
-    usual = float(areas[np.searchsorted(weight, weight[-1] / 2)])
-    for _ in range(3):
-        usual = float(np.median(areas[(areas >= usual / 2) & (areas <= usual * 1.5)]))
-    return usual
-
-
-def _patch(darkness: Grey, labels: Label, label: int, box: Window, margin: int) -> tuple[Grey, Array, float]:
-    """A dot's darkness from its own paper, the patch's corner (x, y) in pixels, and the level of its outline."""
-    top, left = (max(0, side.start - margin) for side in box)
-    window = slice(top, box[0].stop + margin), slice(left, box[1].stop + margin)
-    near = labels[window]
-    away, (row, column) = ndimage.distance_transform_edt(near == 0, return_indices=True)
-    own = near[row, column] == label  # nearer to this dot than to another
-    bare = darkness[window][own & (away >= 3)]
-    paper = np.median(bare) if bare.size else 0.0
-    patch = np.where(own, (darkness[window] - paper) / (1 - paper), 0).astype(np.float32)
-    depth = ndimage.distance_transform_edt(near == label)
-    ink = float(np.median(patch[depth > 0.75 * depth.max()]))
-    patch = np.clip(patch, 0, 1)
-    return patch, np.array([left, top], np.float64), edge_level(patch, ink)
-
-
-def _merged(contour: Array, pixels: int, usual: float) -> bool:
-    """Whether a contour is of more than one dot.
-
-    Touching discs have 2 areas, solidity 0.9, axis ratio 0.5. A contour much smaller than its component is of one of two.
-    """
-    if len(contour) < 8:
-        return True
-    area, solidity, ratio = shape(contour)
-    size = area / usual
-    parted = abs(area - pixels) > 0.25 * pixels + 4  # 4: a dot of few pixels gains or loses its corners
-    return parted or size > 1.6 or solidity < 0.86 or ratio < 0.6 or (size > 1.3 and (solidity < 0.95 or ratio < 0.75))
-
-
-def _warnings(stray: Array, across: Array) -> tuple[str, ...]:
-    """What is to be said of outlines that lie so many pixels off their contours, of dots so many pixels wide."""
+def _warnings(stray: Array, bound: float, moved: float, across: Array, evenness: float) -> tuple[str, ...]:
+    """What is to be said of outlines so many pixels off their contours, of what noise moves them, of dots' pixels, of the light."""
     said = []
-    if astray := int((stray > STRAY).sum()):
+    if moved > SHAKEN:
+        said.append(f"noise moves edges by {moved:.2f} pixels even when smoothed: areas are doubtful; scan with more light or less gain")
+    if astray := int((stray > bound).sum()):
         said.append(f"{astray} outlines lie up to {stray.max():.2f} pixels off their contours: the scan is noisy or the dots ragged")
-    if len(across) and (usual := float(np.median(across))) < FEW:
+    if (usual := float(np.median(across))) < FEW:
         said.append(f"dots of {usual:.1f} pixels: their areas are known to some 20 % only; scan with more dpi")
+    if evenness < UNEVEN:
+        said.append(
+            f"uneven light: the dimmest paper has {evenness:.0%} of the light of the brightest; press the page flat, or light it evenly"
+        )
     return tuple(said)
 
 
@@ -230,7 +196,9 @@ def library(scan: Scan, *, name: str, pen_mm: float, about: Mapping[str, Any]) -
         raise ValueError(f"simulated is {about['simulated']!r} in about; it takes True or False")
     if not len(scan.outlines):
         raise ValueError("the scan has no dots; scan a page that has some")
-    what = {"made": f"scanned at {scan.dpi:g} dpi; outlines in 5 to 8 cubics each, by crowquill.glyphs.scanning", **about}
+    how = "photographed beside a ruler" if scan.scale == "ruler" else "scanned"
+    made = f"{how} at {scan.dpi:.5g} dpi; outlines in 5 to 8 cubics each, by crowquill.glyphs.scanning"
+    what = {"made": made, **about}
     facts = {**what, "name": name, "pen_mm": pen_mm, "count": len(scan.outlines), "patches": _kept(scan)}
     try:
         text = escape(json.dumps(facts, indent=2, allow_nan=False))
