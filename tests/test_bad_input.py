@@ -106,7 +106,7 @@ VERBS = [
     ("glyphs show frame2.svg -o new.pdf", "frame2.svg", "an SVG without a shape"),
     ("glyphs scan missing.png -o new.svg", "missing.png", "a scan that is not there"),
     ("glyphs scan good.png -o new.pdf", "new.pdf", "a library that is no SVG"),
-    ("glyphs scan good.png -o new.svg", "dpi", "a scan of no known size"),
+    ("glyphs scan good.png -o new.svg", "good.png", "a scan of no known size, and no scan at all"),
     ("glyphs scan good.png -o new.svg --dpi 72", "72", "a scan too coarse"),
     ("glyphs scan good.png -o new.svg --dpi nan", "dpi", "a scan of no number"),
     ("glyphs scan good.png -o new.svg --dpi 1200", "good.png", "a scan without dots"),

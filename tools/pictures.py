@@ -27,7 +27,7 @@ def save(picture: Image.Image, name: str, dpi: float) -> None:
 
 
 if __name__ == "__main__":
-    for script in sorted(GALLERY.glob("figure_*.py")):
+    for script in sorted(path for path in GALLERY.glob("*.py") if path.stem != "plate"):
         save(rendered(to_bytes(run_path(str(script))["make"](), "pdf"), 110), script.stem, 110)
     pdf = to_bytes(run_path(str(GALLERY / "plate.py"))["make"](), "pdf")
     plate = rendered(pdf, 130)

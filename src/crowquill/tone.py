@@ -16,6 +16,7 @@ from crowquill.paths import Array, frozen
 from crowquill.picture import MAX_PIXELS, File, lightness, linear, read, window
 
 BLOCK = 64  # columns to a block of prefix sums; see Tone.prefix
+TILE = 32  # pixels: the side of the pieces in which a canvas's outline is cut to pixels
 TONES = ("auto", "linear", "grey")
 FITS = ("contain", "cover", "stretch")
 WIDTH = 180.0  # mm of a picture of which nothing is said: A4 less its margins
@@ -155,8 +156,12 @@ class Tone:
         left, top = np.meshgrid(np.arange(w) * dx, np.arange(h) * dy)
         share = shapely.contains_xy(self.canvas, left + dx / 2, top + dy / 2).astype(np.float64)
         edge = touched(self.canvas, (0.0, 0.0), (dx, dy), (h, w))
+        # the canvas is cut into tiles first: an outline of thousands of corners would be walked for each pixel
+        tile, tiles = np.unique(np.stack(np.nonzero(edge), axis=1) // TILE, axis=0, return_inverse=True)
+        y, x = tile.T * TILE
+        parts = shapely.intersection(shapely.box(x * dx, y * dy, (x + TILE) * dx, (y + TILE) * dy), self.canvas)
         boxes = shapely.box(left[edge], top[edge], left[edge] + dx, top[edge] + dy)
-        share[edge] = shapely.area(shapely.intersection(boxes, self.canvas)) / (dx * dy)
+        share[edge] = shapely.area(shapely.intersection(boxes, parts[tiles.ravel()])) / (dx * dy)
         return frozen(share, np.float64, (h, w), "inside")
 
     @cached_property
