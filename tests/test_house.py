@@ -24,14 +24,16 @@ hilbert halftone vector picture delaunay
 tone tracing sheet
 cells glyphs raster
 moments measure
-spectrum quadrature
+spectrum quadrature texture likeness
 spacing
 relax lettering
-stippling
+stippling plots
 layout contact
 styles formats
-recipe
+recipe seen
 making
+judge
+figure
 __init__
 options
 commands

@@ -66,17 +66,18 @@ def test_what_is_not_said_in_a_toml_has_its_default():
     assert short.data() == Recipe("stipple", knobs={"pen": 0.5}).data()
 
 
-@pytest.mark.parametrize("kind", ["svg", "pdf"])
+@pytest.mark.parametrize("kind", formats.names())
 def test_a_drawing_made_again_is_the_same_to_the_byte(desk: Path, kind: str):
-    run("stipple", "ramp.png", "a.svg", "a.pdf", *QUICK, "--seed", "5", "--glyphs", "dot.svg", "--canvas", "frame.svg", "--check-bar")
+    run("stipple", "ramp.png", f"a.{kind}", *QUICK, "--seed", "5", "--glyphs", "dot.svg", "--canvas", "frame.svg", "--check-bar")
     other = desk / "other" / "folder"
     other.mkdir(parents=True)
     for name in (f"a.{kind}", "ramp.png", "dot.svg", "frame.svg"):
         shutil.move(name, other)
-    run("redo", other / f"a.{kind}", "b.svg", "b.pdf", "--quiet")
+    run("redo", other / f"a.{kind}", *(f"b.{format}" for format in formats.names()), "--quiet")
     kept = other / f"a.{kind}"
     assert (desk / f"b.{kind}").read_bytes() == kept.read_bytes()
-    assert formats.recipe_of(Path("b.svg"))[0] == formats.recipe_of(Path("b.pdf"))[0]
+    recipes = [formats.recipe_of(Path(f"b.{format}"))[0] for format in formats.names()]
+    assert all(made == recipes[0] for made in recipes)
 
 
 @pytest.mark.parametrize("kind", ["svg", "pdf"])
@@ -161,6 +162,11 @@ def test_a_drawing_from_an_array_says_who_can_draw_it_again(capsys: pytest.Captu
     crowquill.save(crowquill.draw("stipple", tone, dots=9), "a.svg", "a.pdf")
     for name in ("a.svg", "a.pdf"):
         assert "names no picture" in refused(capsys, "redo", name, "b.svg")
+
+
+def test_a_bitmap_alone_keeps_no_picture_and_says_so(capsys: pytest.CaptureFixture[str]):
+    assert "--embed" in refused(capsys, "stipple", "ramp.png", "a.png", *QUICK, "--embed")
+    run("stipple", "ramp.png", "a.png", "a.svg", *QUICK, "--embed")
 
 
 def test_two_sources_of_one_name_are_not_both_embedded(capsys: pytest.CaptureFixture[str]):

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from crowquill import recipe, units
-from crowquill.knobs import Choice, Flag, Knob, Numbers, Range, Text
+from crowquill import layout, recipe, units
+from crowquill.knobs import Choice, Flag, Knob, Numbers, Range, Text, of
 from crowquill.recipe import TABLES, Recipe
 from crowquill.vector import contents
 
@@ -76,6 +77,17 @@ def running(call: Callable[..., int]) -> Callable[..., int]:
     return _signed(called, [*(p for p in own if p.kind is p.POSITIONAL_OR_KEYWORD), *extra])
 
 
+def lit(call: Callable[..., int]) -> Callable[..., int]:
+    """A function for Typer to read: the parameters of `call` that have a place, and options of tone, each None when left out."""
+    own = [p for p in inspect.signature(call, eval_str=True).parameters.values() if p.kind is p.POSITIONAL_OR_KEYWORD]
+    light = [_option(replace(knob, default=None), "tone") for knob in of(layout.lit).values()]
+
+    def called(**values: Any) -> int:
+        return call(**values)
+
+    return _signed(called, [*own, *light])
+
+
 def _signed(function: Callable[..., int], parameters: list[inspect.Parameter]) -> Callable[..., int]:
     function.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
         [p.replace(kind=p.KEYWORD_ONLY) for p in parameters]
@@ -102,7 +114,7 @@ def _parameter(name: str, annotation: Any, default: Any = inspect.Parameter.empt
 
 
 def _option(knob: Knob, table: str) -> inspect.Parameter:
-    """The option of a knob. Lengths are text on the command line, defaults too; what files ask for has no default here."""
+    """The option of a knob. Lengths are text on the command line, defaults too; of files only what is asked for is passed on."""
     takes = knob.takes
     default, shown = knob.default, None
     more: dict[str, Any] = {}

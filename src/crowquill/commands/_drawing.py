@@ -31,6 +31,8 @@ def _drawn(wanted: Recipe, *, picture: Path, out: list[Path], recipe: Path | Non
         note(f"{recipe} was made for {sources[PICTURE].name}; its settings are used for {picture.name}")
     paths = {PICTURE: picture, **{key: Path(value) for key, value in files_of(wanted).items()}}
     formats.writers(Sheet((1, 1)), [(path, None) for path in out], _of_formats(wanted))
+    if wanted.files.get("embed") and not any(hasattr(formats.module(p.suffix[1:].lower(), str(p)), "KEEPS_FILES") for p in out):
+        raise ValueError(f"{out[0]}: keeps no picture inside; leave out --embed, or write an SVG or a PDF too")
     check(paths.values(), out, **run)
     return draw(wanted, paths, out, began=began, named=making.named, **run)
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import io
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +20,7 @@ from crowquill.units import INCH
 Bytes = npt.NDArray[np.uint8]
 DPI = "pixels to the inch"
 BILEVEL = "black and white alone: black where ink covers over half of a pixel"
+KEYWORD, DESCRIPTION = "crowquill", 270  # where the recipe is kept: a text of PNG, a field of TIFF
 MOST_BITS = 2_000_000_000  # pixels of black and white: A4 at 4500 dpi
 MOST = 500_000_000  # pixels of grey or colour: A4 at 2200 dpi
 
@@ -55,6 +59,26 @@ def page(sheet: Sheet, dpi: float, bilevel: bool) -> Page:
             raise ValueError(f"bilevel has black alone, and ink {ink.name!r} is cmyk {ink.cmyk}; leave bilevel off, or draw in black")
     grey = all(ink.cmyk[:3] == (0, 0, 0) for ink in inks)
     return Page(width, height, dpi, 0 if bilevel else 1 if grey else 3)
+
+
+def said(sheet: Sheet) -> bytes:
+    """The sheet's recipe as text for a bitmap's own notes, in ASCII; nothing where there is none."""
+    return json.dumps(dict(sheet.recipe), sort_keys=True).encode("ascii") if sheet.recipe else b""
+
+
+def recipe(data: bytes, name: str) -> tuple[dict[str, Any], dict[str, bytes]]:
+    """What made the drawing in a PNG or TIFF of ours; no files are kept in it."""
+    from PIL import Image
+
+    try:
+        with Image.open(io.BytesIO(data), formats=("PNG", "TIFF")) as image:
+            notes: Any = image.info if image.format == "PNG" else getattr(image, "tag_v2", {})
+            found = json.loads(str(notes.get(KEYWORD if image.format == "PNG" else DESCRIPTION, "{}")))
+    except (OSError, SyntaxError, ValueError, RecursionError) as error:
+        raise ValueError(f"{name}: no recipe can be read from it ({' '.join(str(error).split())[:80]}); give the file as drawn") from None
+    if not isinstance(found, dict) or not found:
+        raise ValueError(f"{name}: keeps no recipe of crowquill; give a picture that it drew")
+    return found, {}
 
 
 def bands(sheet: Sheet, page: Page) -> Iterator[Bytes]:

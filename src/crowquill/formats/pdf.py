@@ -20,6 +20,8 @@ from crowquill.knobs import Flag
 from crowquill.sheet import Ink, Sheet
 from crowquill.units import POINT, UM
 
+KEEPS_FILES = True  # attached to a sheet
+
 
 def write(
     sheet: Sheet,

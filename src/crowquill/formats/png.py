@@ -8,7 +8,8 @@ from typing import Annotated, BinaryIO
 
 import numpy as np
 
-from crowquill.formats._bitmap import BILEVEL, DPI, Bytes, bands, page
+from crowquill.formats._bitmap import BILEVEL, DPI, KEYWORD, Bytes, bands, page, said
+from crowquill.formats._bitmap import recipe as recipe  # a format's own reader
 from crowquill.knobs import Flag, Range
 from crowquill.sheet import Sheet
 from crowquill.units import INCH
@@ -32,6 +33,8 @@ def write(
     _chunk(file, b"IHDR", struct.pack(">IIBBBBB", of.width, of.height, 8 if of.channels else 1, kind, 0, 0, 0))
     metre = round(dpi / INCH * 1000)
     _chunk(file, b"pHYs", struct.pack(">IIB", metre, metre, 1))
+    if text := said(sheet):
+        _chunk(file, b"iTXt", KEYWORD.encode() + b"\0\0\0\0\0" + text)
     packer = zlib.compressobj(6)
     above = np.zeros((1, of.width * of.channels), np.uint8)
     for rows in bands(sheet, of):

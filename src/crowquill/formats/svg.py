@@ -9,6 +9,7 @@ import re
 import zlib
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import groupby
 from typing import Annotated, Any, BinaryIO
 from xml.etree import ElementTree
 
@@ -25,6 +26,7 @@ from crowquill.paths import Array, Paths
 from crowquill.sheet import TURN_STEPS, Glyph, Ink, Layer, Marks, Sheet
 from crowquill.vector import PX, elements, local, shapes
 
+KEEPS_FILES = True  # attached to a sheet
 SCHEMA = 1  # of the metadata; a reader refuses a newer one
 SPACE = "urn:crowquill:drawing"
 SVG = "http://www.w3.org/2000/svg"
@@ -73,7 +75,8 @@ def read(data: bytes, name: str) -> Sheet:
     try:
         kept = _kept(root)
         if about["drawn"] != _digest(root):
-            return replace(_from_geometry(data, name, about), attached=kept)
+            warning = f"{name} was edited since it was made: its geometry was read, and its dots are outlines, not marks"
+            return replace(drawn(data, name), recipe=about["recipe"], report={"warnings": [warning]}, attached=kept)
         text = "".join(piece.text or "" for piece in root.iter(f"{{{SPACE}}}marks"))
         return replace(_unpacked(about, zlib.decompressobj().decompress(base64.b64decode(text), LARGEST)), attached=kept)
     except (LookupError, TypeError, ValueError, AttributeError, zlib.error, RecursionError, OverflowError) as error:
@@ -245,10 +248,12 @@ def _unpacked(about: dict[str, Any], table: bytes) -> Sheet:
     return Sheet(tuple(about["size_mm"]), tuple(layers), about["recipe"], {"warnings": []})
 
 
-def _from_geometry(data: bytes, name: str, about: dict[str, Any]) -> Sheet:
-    """The sheet as an edited file draws it: filled outlines and strokes as paths; dots are no longer marks."""
+def drawn(data: bytes, name: str) -> Sheet:
+    """The sheet that any SVG draws: filled outlines and strokes as paths in their colours. Dots are outlines, not marks."""
     size, found = shapes(data, name)
-    layers = []
+    if min(size) <= 0:
+        raise ValueError(f"{name}: its page has no size; give it a width and a height in mm")
+    inked: list[tuple[Ink, Paths]] = []
     for paths, shape in found:
         pen = None if shape.fill is not None and shape.fill.value is not None else float(shape.stroke_width or 0) * PX
         colour = shape.fill if pen is None else shape.stroke
@@ -258,20 +263,13 @@ def _from_geometry(data: bytes, name: str, about: dict[str, Any]) -> Sheet:
         black = 1 - max(red, green, blue)
         cmy = [0.0 if black == 1 else (1 - black - share) / (1 - black) for share in (red, green, blue)]
         ink = Ink("black" if cmy == [0, 0, 0] and black == 1 else str(colour.hex), (*cmy, black), pen)
-        layers.append(Layer(ink, paths))
-    warning = f"{name} was edited since it was made: its geometry was read, and its dots are outlines, not marks"
-    return Sheet(size, _joined(layers), about["recipe"], {"warnings": [warning]})
+        inked.append((ink, paths))
+    return Sheet(size, _joined(inked))
 
 
-def _joined(layers: list[Layer]) -> tuple[Layer, ...]:
-    """Neighbouring layers of one ink and one kind of path as one."""
-    joined: list[Layer] = []
-    for layer in layers:
-        last = joined[-1] if joined else None
-        kind = [(art.closed, art.cubic) for art in (layer.art, last.art if last else layer.art) if isinstance(art, Paths)]
-        if last and last.ink == layer.ink and kind[0] == kind[1]:
-            parts = [*last.art, *layer.art] if isinstance(last.art, Paths) and isinstance(layer.art, Paths) else []
-            joined[-1] = Layer(layer.ink, Paths.of(parts, closed=kind[0][0], cubic=kind[0][1]))
-        else:
-            joined.append(layer)
-    return tuple(joined)
+def _joined(found: list[tuple[Ink, Paths]]) -> tuple[Layer, ...]:
+    """Layers of neighbouring paths of one ink and one kind."""
+    runs = groupby(found, key=lambda pair: (pair[0], pair[1].closed, pair[1].cubic))
+    return tuple(
+        Layer(ink, Paths.of([path for _, paths in run for path in paths], closed=closed, cubic=cubic)) for (ink, closed, cubic), run in runs
+    )

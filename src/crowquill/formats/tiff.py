@@ -10,13 +10,14 @@ from typing import Annotated, Any, BinaryIO
 
 import numpy as np
 
-from crowquill.formats._bitmap import BILEVEL, DPI, Bytes, bands, page
+from crowquill.formats._bitmap import BILEVEL, DESCRIPTION, DPI, Bytes, bands, page, said
+from crowquill.formats._bitmap import recipe as recipe  # a format's own reader
 from crowquill.knobs import Flag, Range
 from crowquill.sheet import Sheet
 
 GROUP_4, DEFLATE = 4, 8
-SHORT, LONG, RATIONAL = 3, 4, 5  # types of a field, and their letters of struct
-LETTERS = {SHORT: "H", LONG: "I", RATIONAL: "II"}
+ASCII, SHORT, LONG, RATIONAL = 2, 3, 4, 5  # types of a field, and their letters of struct
+LETTERS = {ASCII: "B", SHORT: "H", LONG: "I", RATIONAL: "II"}
 
 
 def write(
@@ -53,6 +54,8 @@ def write(
         (296, SHORT, [2]),  # inches
         (317, SHORT, [2]) if of.channels else (293, SHORT, [0]),  # each pixel less the one before; plain Group 4
     ]
+    if text := said(sheet):
+        fields.append((DESCRIPTION, ASCII, [*text, 0]))
     head = len(_head(fields))
     fields[5] = (273, LONG, [head + sum(sizes[:k]) for k in range(len(sizes))])
     file.write(_head(fields))
