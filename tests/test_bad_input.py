@@ -85,6 +85,9 @@ COMMANDS = [
     ("stipple good.png out.pdf --separate", "separate", "a setting that no file written takes"),
 ]
 
+TWO = '<circle cx="2" cy="2" r="1"/><circle cx="8" cy="7" r="1"/>'
+SQUARE = 'width="10mm" height="10mm" viewBox="0 0 10 10"'
+
 # what is typed without the options of a drawing, what the line must say, and the story
 VERBS = [
     ("redo missing.svg out.svg", "missing.svg", "a drawing that is not there"),
@@ -114,6 +117,24 @@ VERBS = [
     ("glyphs scan desk.svg -o new.svg --dpi 1200", "desk.svg", "a folder for a scan"),
     ("glyphs scan pipe.svg -o new.svg --dpi 1200", "pipe.svg", "a pipe for a scan"),
     ("glyphs scan good.png -o nowhere/new.svg --dpi 1200", "nowhere", "a folder that is not there"),
+    ("measure missing.svg", "missing.svg", "a drawing that is not there"),
+    ("measure good.png", "dpi", "a bitmap of no known size"),
+    ("measure good.png --dpi 0", "--dpi", "no pixels to the inch"),
+    ("measure frame2.svg", "no dots", "a drawing without dots"),
+    ("measure dots.svg", "one dot", "a drawing of one dot"),
+    ("measure two.svg --against good.png", "good.png", "a picture of another shape"),
+    ("measure two.svg --against missing.png", "missing.png", "a picture that is not there"),
+    ("measure two.svg --gamma 2", "--against", "tone options without a picture"),
+    ("measure two.svg --against good.png --gamma 0", "gamma", "a gamma that makes all one"),
+    ("measure two.svg two.svg two.svg", "3", "three drawings side by side"),
+    ("measure two.svg --figure new.dfx", "dfx", "a figure in a format there is not"),
+    ("measure two.svg --figure two.svg", "two.svg", "a figure over the drawing"),
+    ("measure two.svg --report nowhere/r.json", "nowhere", "a report in a folder that is not there"),
+    ("measure pipe.svg", "pipe.svg", "a pipe nobody fills"),
+    ("measure desk", "desk", "a folder"),
+    ("points two.svg -o new.txt", "new.txt", "points in a form there is not"),
+    ("points two.svg", "--out", "no file for the points"),
+    ("points missing.svg -o new.csv", "missing.svg", "points of nothing"),
 ]
 
 
@@ -125,7 +146,14 @@ def desk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     os.chdir(folder)
     files = {name: data for table in (PICTURES,) for name, (data, _) in table.items()}
     files |= {"good.png": GOOD, "as.svg": GOOD, "out.svg": b"older", "old.json": b"older"}
-    files |= {"frame.svg": svg(BOX), "dots.svg": svg(DOT), "frame2.svg": svg(""), "bad.pdf": b"%PDF-1.4 no more", "plain.pdf": plain_pdf()}
+    files |= {
+        "frame.svg": svg(BOX),
+        "dots.svg": svg(DOT),
+        "frame2.svg": svg(""),
+        "two.svg": svg(TWO, SQUARE),
+        "bad.pdf": b"%PDF-1.4 no more",
+        "plain.pdf": plain_pdf(),
+    }
     for kind, table in (("canvas", CANVASES), ("glyphs", LIBRARIES)):
         files |= {f"{kind}-{name}": data for name, (data, _) in table.items()}
     for name, data in files.items():

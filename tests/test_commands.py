@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import stat
@@ -262,6 +263,21 @@ def test_a_library_of_dots_is_taken_by_name_and_by_path(run):
     own = drawn(run, "ramp.png", *QUICK, "--glyphs", "own.svg")
     assert len(own.marks.glyphs) == 1 and own.marks.scale.sum() == pytest.approx(circle.marks.scale.sum(), rel=1e-3)  # rounded each
     assert b"alert" not in Path("out.svg").read_bytes()
+
+
+def test_a_librarys_own_pen_is_drawn_with_where_nothing_else_is_said(run):
+    assert reported(run, "ramp.png", "out.svg", *QUICK[:-4], "--iterations", "1", "--glyphs", "nib-05")["pen_mm"] == 0.5
+    told = run("ramp.png", "out.svg", *QUICK[:-4], "--iterations", "1", "--glyphs", "nib-05", "--pen", "1mm")
+    assert "enlarged 2 times" in told.err
+
+
+def test_letters_that_the_terminal_has_not_are_question_marks(run, monkeypatch):
+    assert run("ramp.png", "out.svg", *QUICK, "--quiet").code == 0
+    Path("ramp.png").rename("é.png")
+    stream = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
+    monkeypatch.setattr("sys.stdout", stream)
+    assert main(["stipple", "é.png", "é.svg", *QUICK]) == 0
+    assert stream.buffer.getvalue().rstrip().endswith(b"?.svg") and Path("é.svg").exists()
 
 
 def test_a_new_file_has_the_usual_mode_and_an_older_one_keeps_its_own(run):

@@ -97,7 +97,8 @@ def test_targets_that_cannot_be_written_are_refused_before_any_is(tmp_path: Path
     for name, error, says in (
         ("there.svg", FileExistsError, r"there\.svg: is there already; "), ("folder.svg", IsADirectoryError, r"folder\.svg: is a folder; "),
         ("no/a.svg", FileNotFoundError, r"a\.svg: there is no folder .*; "), ("pipe.svg", ValueError, r"pipe\.svg: is not a regular"),
-        ("a.dfx", ValueError, r"a\.dfx: no format 'dfx'; there are .*pdf, .*svg"), ("a", ValueError, "no format ''; there are .*pdf, .*svg"),
+        ("a.dfx", ValueError, r"a\.dfx: no format 'dfx'; there are .*pdf, .*svg"),
+        ("a", ValueError, "no format ''; there are .*pdf, .*svg"),
         ("new.svg", ValueError, r"new\.svg: is named twice; "),
     ):  # fmt: skip
         with pytest.raises(error, match=says):

@@ -26,7 +26,7 @@ cells glyphs raster
 moments measure
 spectrum quadrature texture likeness
 spacing
-relax lettering
+relax lettering route
 stippling plots
 layout contact
 styles formats

@@ -120,6 +120,44 @@ def test_a_recipe_taken_for_another_picture_says_so(capsys: pytest.CaptureFixtur
     assert "note: r.toml was made for ramp.png" in capsys.readouterr().err
 
 
+def test_what_is_typed_takes_the_place_of_what_a_recipe_has(capsys: pytest.CaptureFixture[str]):
+    run("stipple", "ramp.png", "a.svg", "a.png", *QUICK, "--invert", "--dpi", "100", "--separate")
+    capsys.readouterr()
+    run("recipe", "a.svg")
+    Path("r.toml").write_text(capsys.readouterr().out, encoding="utf-8")
+    run("stipple", "ramp.png", "b.pdf", "--recipe", "r.toml", "--quiet", "--no-invert", "--sizes", "2mm,3mm")
+    made, _ = formats.recipe_of(Path("b.pdf"))
+    assert made["tone"]["invert"] is False and made["knobs"]["sizes"] == [2.0, 3.0] and "dots" not in made["knobs"]
+    assert "separate" in refused(capsys, "stipple", "ramp.png", "b.pdf", "--recipe", "r.toml", "--separate")
+
+
+def test_redo_finds_every_source_that_is_given():
+    run("stipple", "ramp.png", "a.svg", *QUICK, "--glyphs", "dot.svg", "--canvas", "frame.svg", "--importance", "ramp.png")
+    for name in ("dot.svg", "frame.svg", "ramp.png"):
+        Path(name).rename(f"other-{name}")
+    given = ["--picture", "other-ramp.png", "--importance", "other-ramp.png", "--glyphs", "other-dot.svg", "--canvas", "other-frame.svg"]
+    run("redo", "a.svg", "b.svg", "--quiet", *given)
+    assert Path("b.svg").read_bytes() == Path("a.svg").read_bytes()
+
+
+def test_a_picture_that_is_its_own_map_is_embedded_once():
+    run("stipple", "ramp.png", "a.svg", *QUICK, "--importance", "ramp.png", "--embed")
+    assert list(formats.recipe_of(Path("a.svg"))[1]) == ["ramp.png"]
+
+
+def test_a_hand_written_recipe_takes_the_picture_given():
+    Path("r.toml").write_text("style = 'stipple'\n[knobs]\ndots = 20\niterations = 1\n", encoding="utf-8")
+    run("redo", "r.toml", "a.svg", "--picture", "ramp.png", "--quiet")
+    assert len(crowquill.load("a.svg").marks) == 20
+
+
+def test_what_cannot_be_written_is_refused_before_the_work(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
+    monkeypatch.setattr("crowquill.relax.scatter", lambda *_: pytest.fail("the work had begun"))
+    many = ["--dots", "30000", "--paper", "a4"]
+    assert "separate" in refused(capsys, "stipple", "ramp.png", "a.svg", *many, "--separate")
+    assert "dpi" in refused(capsys, "stipple", "ramp.png", "a.png", "--paper", "1900x2000mm", "--dots", "9", "--dpi", "2400")
+
+
 def test_from_python_a_drawing_is_made_again_too():
     run("stipple", "ramp.png", "a.svg", *QUICK)
     assert crowquill.to_bytes(crowquill.redo("a.svg"), "svg") == Path("a.svg").read_bytes()

@@ -12,11 +12,12 @@ from crowquill import to_bytes
 GALLERY = Path(__file__).resolve().parents[1] / "gallery"
 OVER = 4  # pixels are rendered this many times finer each way, then averaged
 STEP = 17  # between the 16 greys kept: dots are black or white, and only their edges are grey
+COLOURED = {"measures"}  # two drawings told apart; all else is black ink
 DETAIL = np.array([84, 181, 106, 96])  # mm cut off the plate's paper: left, bottom, right, top
 
 
-def rendered(pdf: bytes, dpi: float, cut: tuple[float, ...] = (0, 0, 0, 0)) -> Image.Image:
-    page = PdfDocument(pdf)[0].render(scale=OVER * dpi / 72, crop=cut, grayscale=True)
+def rendered(pdf: bytes, dpi: float, cut: tuple[float, ...] = (0, 0, 0, 0), grey: bool = True) -> Image.Image:
+    page = PdfDocument(pdf)[0].render(scale=OVER * dpi / 72, crop=cut, grayscale=grey)
     return page.to_pil().reduce(OVER)
 
 
@@ -28,7 +29,12 @@ def save(picture: Image.Image, name: str, dpi: float) -> None:
 
 if __name__ == "__main__":
     for script in sorted(path for path in GALLERY.glob("*.py") if path.stem != "plate"):
-        save(rendered(to_bytes(run_path(str(script))["make"](), "pdf"), 110), script.stem, 110)
+        page = to_bytes(run_path(str(script))["make"](), "pdf")
+        if script.stem in COLOURED:
+            shown = rendered(page, 110, grey=False).convert("RGB").quantize(32, dither=Image.Dither.NONE)
+            shown.save(GALLERY / f"{script.stem}.png", optimize=True, dpi=(110, 110))
+        else:
+            save(rendered(page, 110), script.stem, 110)
     pdf = to_bytes(run_path(str(GALLERY / "plate.py"))["make"](), "pdf")
     plate = rendered(pdf, 130)
     ink = ImageOps.invert(plate).getbbox()

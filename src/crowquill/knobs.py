@@ -90,7 +90,7 @@ class Knob:
         if isinstance(takes, Range):
             return self._number(value)
         if isinstance(takes, Numbers):
-            several = list(value) if isinstance(value, (list, tuple)) else []
+            several = list(value) if hasattr(value, "__iter__") and not isinstance(value, (str, bytes, Mapping)) else []
             if not several or takes.count not in (None, len(several)):
                 raise ValueError(f"{self.name} is {value!r}; it takes {takes.count or 'some'} numbers")
             return tuple(self._number(part) for part in several)

@@ -14,7 +14,7 @@ from crowquill.recipe import PICTURE, Recipe, Source
 from crowquill.sheet import Sheet
 from crowquill.styles import Work
 from crowquill.tone import Tone
-from crowquill.vector import contents
+from crowquill.vector import contents, regular
 
 Paths = Mapping[str, Path]  # of sources, by what they are for
 
@@ -33,6 +33,7 @@ def laid_out(wanted: Recipe, paths: Paths) -> tuple[tuple[float, float], Tone]:
 
 def steps(wanted: Recipe, paths: Paths, size: tuple[float, float], tone: Tone) -> Work:
     """The work that the recipe asks for on what laid_out() gave: a generator of Steps that returns the sheet on its paper."""
+    recipe.check_names(wanted)
     full = wanted.with_paths(paths)
     sheet = yield from styles.steps(full.style, tone, seed=full.seed, **full.knobs)
     sheet = layout.on_paper(sheet, size, wanted.paper["margin"], wanted.paper["check_bar"])
@@ -49,8 +50,13 @@ def found(file: Path, given: Paths, folder: Path) -> tuple[Recipe, dict[str, Pat
     Raises ValueError where one is missing or is not what the drawing was made from.
     """
     wanted, kept = read(file)
+    if PICTURE not in wanted.sources and PICTURE in given:
+        wanted = replace(wanted, sources={PICTURE: Source(given[PICTURE].name), **wanted.sources})
     if PICTURE not in wanted.sources:
-        raise ValueError(f"{file}: its recipe names no picture; it was drawn from an array, by a program that alone can draw it again")
+        why = (
+            "give one with --picture" if file.suffix.lower() == ".toml" else "it was drawn from an array, and only its program can redo it"
+        )
+        raise ValueError(f"{file}: its recipe names no picture; {why}")
     paths, sources = {}, {}
     for key, source in wanted.sources.items():
         path = given.get(key, file.parent / source.name)
@@ -58,8 +64,9 @@ def found(file: Path, given: Paths, folder: Path) -> tuple[Recipe, dict[str, Pat
             path = folder / source.name
             path.write_bytes(kept[source.name])
         if not path.exists():
-            wish = "say where it is with --picture" if key == PICTURE else f"put it beside {file.name}"
-            raise ValueError(f"{file}: its {key} {source.name!r} is not in {os.fspath(path.parent)}; {wish}")
+            if key in given:
+                raise ValueError(f"{path}: there is no such file; check the name")
+            raise ValueError(f"{file}: its {key} {source.name!r} is not in {os.fspath(path.parent)}; say where it is with --{key}")
         digest = Source.of(path).sha256
         if source.sha256 not in ("", digest):
             raise ValueError(f"{path}: is not the {key} that {file.name} was drawn from (its SHA-256 differs); give the same file")
@@ -69,6 +76,7 @@ def found(file: Path, given: Paths, folder: Path) -> tuple[Recipe, dict[str, Pat
 
 def read(file: Path) -> tuple[Recipe, dict[str, bytes]]:
     """The recipe that a drawing keeps, or that a TOML file is, and the sources kept with it."""
+    regular(file)
     if file.suffix.lower() == ".toml":
         return recipe.read_toml(contents(file), str(file)), {}
     data, kept = formats.recipe_of(file)
@@ -81,5 +89,5 @@ def redo(file: str | os.PathLike[str], *, picture: str | os.PathLike[str] | None
     Raises ValueError for a file without a recipe, and for a picture that is missing or another.
     """
     with tempfile.TemporaryDirectory() as folder:
-        wanted, paths = found(Path(file), {PICTURE: Path(picture)} if picture else {}, Path(folder))
+        wanted, paths = found(Path(file), {PICTURE: Path(picture)} if picture is not None else {}, Path(folder))
         return styles.run(steps(wanted, paths, *laid_out(wanted, paths)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
-from crowquill import layout, recipe, units
+from crowquill import layout, recipe, styles, units
 from crowquill.knobs import Choice, Flag, Knob, Numbers, Range, Text, of
 from crowquill.recipe import TABLES, Recipe
 from crowquill.vector import contents
@@ -37,7 +38,8 @@ def _running(
 def drawing(style: str, draw: Callable[..., int]) -> Callable[..., int]:
     """A function for Typer to read, whose options are those of a style.
 
-    It calls draw(wanted, picture=, recipe=, **running); `recipe` is the TOML that settings were taken from, or None.
+    It calls draw(wanted, picture=, recipe=, typed=, **running); `recipe` is the TOML that settings were taken from, or
+    None, `typed` the names of options given by hand.
     """
     picture = Annotated[Path, typer.Argument(help="The picture: PNG, JPEG, TIFF, WebP, GIF, BMP.", show_default=False, metavar="PICTURE")]
     taken = typer.Option(
@@ -54,13 +56,17 @@ def drawing(style: str, draw: Callable[..., int]) -> Callable[..., int]:
     every += [_option(knob, table) for table, takes in tables.items() for knob in takes.values()]
     every += [_parameter("seed", Annotated[int, seed], 0), _parameter("recipe", Annotated[Path | None, taken], None), *rest]
 
-    def called(**values: Any) -> int:
+    def called(context: typer.Context, **values: Any) -> int:
         """Parts the settings from the options of the running."""
+        typed = {key for key in values if getattr(context.get_parameter_source(key), "name", "") == "COMMANDLINE"}
+        either = getattr(sys.modules[styles.style(style).__module__], "EITHER", ())
+        if values["recipe"] is not None and typed & set(either):  # what is typed takes the place of what the recipe has
+            values |= {key: None for key in either if key not in typed}
         settings: dict[str, Any] = {table: {key: values.pop(key) for key in takes} for table, takes in tables.items()}
         settings["files"] = {key: value for key, value in settings["files"].items() if value is not None}
-        return draw(Recipe(style, values.pop("seed"), **settings), **values)
+        return draw(Recipe(style, values.pop("seed"), **settings), typed=typed, **values)
 
-    return _signed(called, every)
+    return _signed(called, [_parameter("context", typer.Context), *every])
 
 
 def running(call: Callable[..., int]) -> Callable[..., int]:
@@ -135,7 +141,7 @@ def _option(knob: Knob, table: str) -> inspect.Parameter:
         more = {"metavar": "NAME|FILE"}
     if table == "files":
         default, shown = None, None if default in (None, False) else str(default)
-    names = [f"--{knob.name.replace('_', '-')}"] if kind is bool else []
+    names = [f"--{knob.name.replace('_', '-')}/--no-{knob.name.replace('_', '-')}"] if kind is bool else []
     option = typer.Option(
         *names, help=f"{text}.", rich_help_panel=PANELS[table], show_default=shown or default not in (None, False), **more
     )

@@ -131,7 +131,7 @@ def _loaded(source: File, name: str, max_pixels: int) -> tuple[Any, Notes]:
                 raise ValueError(f"{name}: the picture has no pixels; give one with at least one")
             if w * h > max_pixels:
                 raise ValueError(
-                    f"{name}: {w} x {h} pixels are over the limit of {max_pixels / 1e6:g} million; "
+                    f"{name}: {w} x {h} pixels are over the limit of {_told(max_pixels)}; "
                     f"make it smaller, or raise the limit with --max-pixels {w * h}"
                 )
             image.load()
@@ -145,6 +145,11 @@ def _loaded(source: File, name: str, max_pixels: int) -> tuple[Any, Notes]:
             raise
     damaged = damaged or any("corrupt" in str(w.message).lower() or "truncated" in str(w.message).lower() for w in said)
     return image, (TAGS,) if damaged else ()
+
+
+def _told(pixels: int) -> str:
+    """A number of pixels, in millions where it is one."""
+    return f"{pixels / 1e6:g} million" if pixels >= 1e6 else str(pixels)
 
 
 def _counts_ink(image: Any) -> bool:

@@ -76,7 +76,7 @@ class Recipe:
         import tomli_w
 
         head = "# A recipe of crowquill; lengths are millimetres.\n"
-        return head + tomli_w.dumps({key: value for key, value in self.data().items() if value != {}})
+        return _printable(head + tomli_w.dumps({key: value for key, value in self.data().items() if value != {}}))
 
     def with_paths(self, paths: Mapping[str, Path]) -> Recipe:
         """The recipe with these paths for the settings that name files."""
@@ -109,13 +109,17 @@ def attached(
     sheet: Sheet, recipe: Recipe, paths: Mapping[str, Path], *, embed: Annotated[bool, Flag("keep the picture in the files")] = False
 ) -> Sheet:
     """The sheet with its sources inside, where they are to be, under their bare names."""
-    if not embed:
-        return sheet
-    names = [recipe.sources[key].name for key in paths]
-    for name in names:
-        if names.count(name) > 1:
-            raise ValueError(f"{name}: two different sources have this name and cannot both be embedded; rename one")
-    return replace(sheet, attached={recipe.sources[key].name: paths[key].read_bytes() for key in sorted(paths)})
+    return replace(sheet, attached={recipe.sources[key].name: paths[key].read_bytes() for key in sorted(paths)}) if embed else sheet
+
+
+def check_names(recipe: Recipe) -> None:
+    """Raises ValueError for sources that redo could not find by their bare names, and names that cannot be embedded."""
+    known: dict[str, str] = {}
+    for source in recipe.sources.values():
+        if recipe.files.get("embed") and source.name != _printable(source.name):
+            raise ValueError(f"{source.name}: its name is not UTF-8 and cannot be embedded; rename it, or leave out embed")
+        if known.setdefault(source.name, source.sha256) != source.sha256:
+            raise ValueError(f"{source.name}: two different files of this name are read, and redo could not tell them apart; rename one")
 
 
 def parsed(data: Any, name: str) -> Recipe:
@@ -130,8 +134,8 @@ def read_toml(data: bytes, name: str) -> Recipe:
     """The recipe in a TOML file."""
     try:
         values = tomllib.loads(data.decode("utf-8"))
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
-        raise ValueError(f"{name}: not sound TOML ({error}); mend it, or print a recipe with: crowquill recipe FILE") from None
+    except (ValueError, RecursionError) as error:  # TOML's own errors, letters that are none, numbers of thousands of digits
+        raise ValueError(f"{name}: not sound TOML ({str(error)[:100]}); mend it, or print a recipe with: crowquill recipe FILE") from None
     return parsed(values, name)
 
 
@@ -141,6 +145,8 @@ def _parsed(data: Any) -> Recipe:
     schema = data.get("schema", SCHEMA)
     if isinstance(schema, bool) or not isinstance(schema, int):
         raise ValueError(f"schema is {schema!r}; it takes a whole number")
+    if schema < 1:
+        raise ValueError(f"schema is {schema}; it takes 1 to {SCHEMA}")
     if schema > SCHEMA:
         raise ValueError(f"made by a newer crowquill (recipe schema {schema}); update this one")
     known = ["schema", "version", "style", "seed", "sources", *TABLES]
@@ -152,7 +158,7 @@ def _parsed(data: Any) -> Recipe:
             raise ValueError(f"{key} is {data[key]!r}; it takes {'a text' if kind is str else 'a table'}")
     sources = {str(key): _source(str(key), value) for key, value in data.get("sources", {}).items()}
     tables: dict[str, Any] = {table: dict(data.get(table, {})) for table in TABLES}
-    recipe = Recipe(data["style"], data.get("seed", 0), **tables, sources=sources, version=data.get("version", version("crowquill")))
+    recipe = Recipe(data["style"], data.get("seed", 0), **tables, sources=sources, version=data.get("version") or version("crowquill"))
     named = {key: _source(key, {"name": name}) for key, name in files_of(recipe).items()}
     for key, source in sources.items():
         if key != PICTURE and (key not in named or named[key].name != source.name):
@@ -163,7 +169,7 @@ def _parsed(data: Any) -> Recipe:
 def _source(key: str, value: Any) -> Source:
     name = value.get("name") if isinstance(value, Mapping) else None
     digest = value.get("sha256", "") if isinstance(value, Mapping) else None
-    if not isinstance(name, str) or not name or Path(name).name != name or "\0" in name:
+    if not isinstance(name, str) or not name or Path(name).name != name or name == ".." or "\0" in name:
         raise ValueError(f"the name of source {key} is {name!r}; it takes the bare name of a file, without a folder")
     if not isinstance(digest, str) or not re.fullmatch("([0-9a-f]{64})?", digest):
         raise ValueError(f"the sha256 of source {key} is {digest!r}; it takes 64 hexadecimal digits")
@@ -174,6 +180,11 @@ def _source(key: str, value: Any) -> Source:
 
 def _plain(value: Any) -> Any:
     return list(value) if isinstance(value, tuple) else value
+
+
+def _printable(text: str) -> str:
+    """The text with a question mark for bytes of names that are not UTF-8."""
+    return text.encode("utf-8", "replace").decode("utf-8")
 
 
 def _with_remedy(said: str) -> str:

@@ -36,7 +36,7 @@ class Plan:
     ink      mm^2 asked for, that on white not counted
     pen      mm, the diameter; of dots that differ, that of their mean area
     largest  mm, the diameter of the largest dots; spans of sizes are shares of it
-    shared   whether importance moved dots of one size about, so that tone is kept on the whole only
+    shared   whether importance moved dots of one size about: tone is kept on the whole only; `gap` mm of white between dots
     """
 
     demand: Tone
@@ -47,6 +47,7 @@ class Plan:
     largest: float
     dots: int
     shared: bool
+    gap: float
 
 
 class Clock:
@@ -131,7 +132,7 @@ def planned(
     demand = crowd if wish is None else _shared_out(crowd, wish)
     moved = wish is not None and bool(np.ptp(wish[crowd.coverage > 0]) > 0)
     demand, nominal = (replace(part, importance=None) for part in (demand, nominal))
-    return Plan(demand, nominal, blank, tone.mapped(lambda c: np.where(blank, 0.0, c)).ink, mean, span[1] * width, wanted, moved)
+    return Plan(demand, nominal, blank, tone.mapped(lambda c: np.where(blank, 0.0, c)).ink, mean, span[1] * width, wanted, moved, min_gap)
 
 
 def importance(tone: Tone) -> Array | None:
@@ -157,6 +158,8 @@ def _nominal(asked: Tone, pen: float, span: tuple[float, float], gap: float) -> 
     from scipy.ndimage import gaussian_filter
 
     cap = _cap(pen * span[1], gap)
+    if gap:  # what is out of reach is pressed together, not cut off, so that tone still rises with tone
+        asked = asked.mapped(lambda c: c / (1 + c * (1 / cap - 1)))
     around = pen * float(np.sqrt((span[0] ** 2 + span[1] ** 2) / 2))
     sigma = [around / side for side in reversed(asked.pixel)]
     near = np.clip(gaussian_filter(np.minimum(asked.coverage, cap), sigma, mode="nearest", truncate=3.0), 1e-6, cap)
@@ -301,7 +304,8 @@ def found(plan: Plan, sites: int, marks: int, ink: float) -> dict[str, Any]:
     elif not plan.dots:
         warnings.append(f"no dots: all the ink is less than half a dot of {plan.pen:.4g} mm; a finer pen would draw it")
     elif missing > 0.02:
-        warnings.append(f"{missing:.1%} of the ink asked for is not reached; a wider pen, more dots or lighter tones would help")
+        wish = "a smaller gap" if plan.gap else "a wider pen, more dots or lighter tones"
+        warnings.append(f"{missing:.1%} of the ink asked for is not reached; {wish} would help")
     if sites != plan.dots:
         warnings.append(f"this start gave {sites} dots in place of {plan.dots}; --start even gives any number")
     if plan.shared:

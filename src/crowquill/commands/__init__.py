@@ -70,12 +70,16 @@ def note(text: str) -> None:
 
 
 def say(text: str) -> None:
-    """Lines on stdout; where nobody listens any more, the work goes on."""
+    """Lines on stdout, letters that it has not as question marks; where nobody listens any more, or nothing fits, the work goes on."""
+    code = sys.stdout.encoding or "utf-8"
     try:
-        sys.stdout.write(f"{text}\n")
+        sys.stdout.write(f"{text.encode(code, 'replace').decode(code)}\n")
         sys.stdout.flush()
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        note(f"what came of it could not be printed ({(error.strerror or 'failed').lower()})")
 
 
 def plain(text: str) -> str:

@@ -7,7 +7,7 @@ import json
 import os
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Set
 from pathlib import Path
 from typing import Any
 
@@ -23,18 +23,20 @@ def command(style: str) -> Callable[..., int]:
     return options.drawing(style, _drawn)
 
 
-def _drawn(wanted: Recipe, *, picture: Path, out: list[Path], recipe: Path | None, **run: Any) -> int:
-    """One drawing from picture to files."""
-    began = time.perf_counter()
+def _drawn(wanted: Recipe, *, picture: Path, out: list[Path], recipe: Path | None, typed: Set[str], **run: Any) -> int:
+    """One drawing from picture to files; `typed` are the options given by hand."""
+    began, said = time.perf_counter(), []
     sources = making.read(recipe)[0].sources if recipe else {}
     if PICTURE in sources and sources[PICTURE].name != picture.name:
-        note(f"{recipe} was made for {sources[PICTURE].name}; its settings are used for {picture.name}")
+        said = [f"{recipe} was made for {sources[PICTURE].name}; its settings are used for {picture.name}"]
     paths = {PICTURE: picture, **{key: Path(value) for key, value in files_of(wanted).items()}}
-    formats.writers(Sheet((1, 1)), [(path, None) for path in out], _of_formats(wanted))
-    if wanted.files.get("embed") and not any(hasattr(formats.module(p.suffix[1:].lower(), str(p)), "KEEPS_FILES") for p in out):
+    asked = {key: value for key, value in wanted.files.items() if key in typed and key != "embed"}
+    formats.writers(Sheet((1, 1)), [(path, None) for path in out], asked)
+    modules = [formats.module(path.suffix[1:].lower(), str(path)) for path in out]
+    if "embed" in typed and wanted.files.get("embed") and not any(hasattr(module, "KEEPS_FILES") for module in modules):
         raise ValueError(f"{out[0]}: keeps no picture inside; leave out --embed, or write an SVG or a PDF too")
     check(paths.values(), out, **run)
-    return draw(wanted, paths, out, began=began, named=making.named, **run)
+    return draw(wanted, paths, out, began=began, said=said, named=making.named, **run)
 
 
 def check(sources: Iterable[Path], out: list[Path], *, report: Path | None, overwrite: bool, **_: Any) -> None:
@@ -51,24 +53,31 @@ def draw(
     out: list[Path],
     *,
     began: float,
+    said: list[str],
     named: Callable[[Recipe, Mapping[str, Path]], Recipe] = lambda wanted, _: wanted,
     report: Path | None,
     quiet: bool,
     dry_run: bool,
     **_: Any,
 ) -> int:
-    """The files that a recipe and its sources give; `named` makes of them what the files keep, once they have been read."""
+    """The files that a recipe and its sources give; `named` makes of them what the files keep, once they have been read.
+
+    said  notes for the end: a refusal is one line
+    """
     with _silence():
         page, tone = making.laid_out(wanted, paths)
     work = making.steps(named(wanted, paths), paths, page, tone)
-    if dry_run:
-        return _foretold(work, tone, page)
-    sheet = styles.run(work) if quiet else _watched(work)
-    warnings = [*tone.notes, *sheet.report["warnings"]]
-    facts = {**sheet.report, "paper_mm": list(sheet.size), "files": [str(path) for path in out], "warnings": warnings}
-    told = _Report(facts, began)
     takes = {key for path in out for key in formats.knobs(path.suffix[1:].lower())}
     values = {key: value for key, value in wanted.files.items() if key in takes}
+    planned = next(work).facts
+    formats.foresee(out, page, int(planned.get("dots", 0)), values)
+    if dry_run:
+        work.close()
+        return _foretold(planned, tone, page)
+    sheet = styles.run(work) if quiet else _watched(work)
+    warnings = [*said, *tone.notes, *sheet.report["warnings"]]
+    facts = {**sheet.report, "paper_mm": list(sheet.size), "files": [str(path) for path in out], "warnings": warnings}
+    told = _Report(facts, began)
     plan = list(zip(out, formats.writers(sheet, [(path, None) for path in out], values), strict=True))
     to_file = report is not None and str(report) != "-"
     if report and to_file:
@@ -81,11 +90,6 @@ def draw(
     elif not quiet:
         say(told.summary())
     return 0
-
-
-def _of_formats(wanted: Recipe) -> dict[str, Any]:
-    """The settings of files that are knobs of formats."""
-    return {key: value for key, value in wanted.files.items() if key != "embed"}
 
 
 class _Report:
@@ -124,10 +128,8 @@ def _silence() -> Iterator[None]:
         os.close(nothing)
 
 
-def _foretold(work: styles.Work, tone: Tone, page: tuple[float, float]) -> int:
+def _foretold(facts: Mapping[str, float], tone: Tone, page: tuple[float, float]) -> int:
     """What a style's first Step says of the work to come."""
-    facts = next(work).facts
-    work.close()
     say(f"paper  {page[0]:g} x {page[1]:g} mm")
     say(f"art    {tone.size[0]:.4g} x {tone.size[1]:.4g} mm")
     say(f"ink    {tone.ink:.1f} mm2 asked")

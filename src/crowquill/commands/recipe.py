@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -18,5 +20,8 @@ def add(app: typer.Typer) -> None:
     def printed(
         file: Annotated[Path, typer.Argument(help="A drawing's SVG or PDF.", show_default=False, metavar="FILE")],
     ) -> int:
-        say(making.read(file)[0].toml().rstrip("\n"))
+        text = making.read(file)[0].toml()
+        if isinstance(sys.stdout, io.TextIOWrapper):
+            sys.stdout.reconfigure(encoding="utf-8")  # TOML is UTF-8 whatever the terminal speaks
+        say(text.rstrip("\n"))
         return 0

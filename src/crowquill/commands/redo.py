@@ -14,7 +14,7 @@ from typing import Annotated, Any
 import typer
 
 from crowquill import making, options
-from crowquill.commands import _drawing, note
+from crowquill.commands import _drawing
 from crowquill.recipe import PICTURE
 
 
@@ -25,15 +25,20 @@ def add(app: typer.Typer) -> None:
 
 def _redone(
     file: Annotated[Path, typer.Argument(help="A drawing's SVG or PDF, or its recipe as TOML.", show_default=False, metavar="FILE")],
-    picture: Annotated[Path | None, typer.Option(help="The picture it was drawn from.", metavar="FILE")] = None,
+    picture: Annotated[Path | None, typer.Option(help="The picture it was drawn from, where it is not beside it.", metavar="FILE")] = None,
+    canvas: Annotated[Path | None, typer.Option(help="Its canvas, likewise.", metavar="FILE")] = None,
+    importance: Annotated[Path | None, typer.Option(help="Its map of importance, likewise.", metavar="FILE")] = None,
+    glyphs: Annotated[Path | None, typer.Option(help="Its library of dots, likewise.", metavar="FILE")] = None,
     *,
     out: list[Path],
     **run: Any,
 ) -> int:
     began = time.perf_counter()
+    given = {PICTURE: picture, "canvas": canvas, "importance": importance, "glyphs": glyphs}
     with tempfile.TemporaryDirectory() as folder:
-        wanted, paths = making.found(file, {PICTURE: picture} if picture else {}, Path(folder))
+        wanted, paths = making.found(file, {key: path for key, path in given.items() if path is not None}, Path(folder))
         _drawing.check([file, *paths.values()], out, **run)
-        if wanted.version != version("crowquill"):
-            note(f"{file} was made by crowquill {wanted.version}, this is {version('crowquill')}; the drawing may differ")
-        return _drawing.draw(wanted, paths, out, began=began, **run)
+        now, said = version("crowquill"), []
+        if wanted.version != now:
+            said = [f"{file} was made by crowquill {wanted.version}, this is {now}; the drawing may differ"]
+        return _drawing.draw(wanted, paths, out, began=began, said=said, **run)

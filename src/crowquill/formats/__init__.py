@@ -2,6 +2,7 @@
 
 A format is a function `write(sheet, file, *, knob=...)`, its knobs declared as a style's are; one that can be read back has
 `read(data, name)` too, and one that keeps the sheet's recipe `recipe(data, name)`.
+What a format cannot write it may say before the work, in `foresee(size, marks, **knobs)`.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from crowquill.vector import contents
 
 Target = str | os.PathLike[str] | BinaryIO
 PART = ".part"  # suffix of a file under way
-SAME = {"tif": "tiff"}  # suffixes by which a format is called too
+SAME = {"tif": "tiff", "plt": "hpgl", "nc": "gcode"}  # suffixes by which a format is called too
 
 
 def names() -> list[str]:
@@ -139,6 +140,15 @@ def check(paths: Sequence[Path], *, overwrite: bool = True, sources: Sequence[Pa
             raise ValueError(f"{path}: is named twice; give each output its own name")
 
 
+def foresee(paths: Sequence[Path], size: tuple[float, float], marks: int, values: Mapping[str, Any]) -> None:
+    """Raises the ValueError that writing a sheet of this size, in mm, with so many marks would raise, where that is known before."""
+    for path in paths:
+        found = module(path.suffix[1:].lower(), str(path))
+        own = of(found.write)
+        if hasattr(found, "foresee"):
+            found.foresee(size, marks, **checked(own, {key: value for key, value in values.items() if key in own}, "format"))
+
+
 def to_bytes(sheet: Sheet, format: str, **values: Any) -> bytes:
     """The file's bytes in a format by name; values are its knobs."""
     buffer = io.BytesIO()
@@ -173,7 +183,7 @@ def module(format: str, target: str) -> Any:
     """The module of a format, or a ValueError that names those there are."""
     format = SAME.get(format, format)
     if format not in names():
-        wish = "" if format else "; give a suffix, or format= with an open file"
+        wish = "" if format else "; give a name with such a suffix"
         raise ValueError(f"{target}: no format {format!r}; there are {', '.join(names())}{wish}")
     for entry in entry_points(group="crowquill.formats"):
         if entry.name == format:

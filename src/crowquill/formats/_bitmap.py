@@ -46,19 +46,30 @@ def page(sheet: Sheet, dpi: float, bilevel: bool) -> Page:
     Grey where every ink in use is a share of black. Raises ValueError for too many pixels, and for bits of
     an ink that is not black: shares of ink are not screened here. White ink is paper.
     """
-    width, height = (max(1, round(side / INCH * dpi)) for side in sheet.size)
+    width, height = pixels(sheet.size, dpi, bilevel)
     inks = [layer.ink for layer in sheet.layers if len(layer.art)]
+    for ink in inks:
+        if bilevel and ink.cmyk not in ((0, 0, 0, 1), (0, 0, 0, 0)):
+            raise ValueError(f"bilevel has black alone, and ink {ink.name!r} is cmyk {ink.cmyk}; leave bilevel off, or draw in black")
+    grey = all(ink.cmyk[:3] == (0, 0, 0) for ink in inks)
+    return Page(width, height, dpi, 0 if bilevel else 1 if grey else 3)
+
+
+def pixels(size: tuple[float, float], dpi: float, bilevel: bool) -> tuple[int, int]:
+    """How many pixels a sheet of this size in mm has across and down. Raises ValueError for too many."""
+    width, height = (max(1, round(side / INCH * dpi)) for side in size)
     most = MOST_BITS if bilevel else MOST
     if width * height > most:
         wish = "use a lower dpi" if bilevel or width * height > MOST_BITS else "use a lower dpi, or bilevel"
         raise ValueError(
             f"dpi {dpi:g} makes {width} x {height} pixels of this sheet, over the limit of {most // 1_000_000} million; {wish}"
         )
-    for ink in inks:
-        if bilevel and ink.cmyk not in ((0, 0, 0, 1), (0, 0, 0, 0)):
-            raise ValueError(f"bilevel has black alone, and ink {ink.name!r} is cmyk {ink.cmyk}; leave bilevel off, or draw in black")
-    grey = all(ink.cmyk[:3] == (0, 0, 0) for ink in inks)
-    return Page(width, height, dpi, 0 if bilevel else 1 if grey else 3)
+    return width, height
+
+
+def foresee(size: tuple[float, float], _marks: int, *, dpi: float, bilevel: bool) -> None:
+    """Raises ValueError for more pixels than a bitmap takes."""
+    pixels(size, dpi, bilevel)
 
 
 def said(sheet: Sheet) -> bytes:

@@ -9,7 +9,8 @@ from typing import Annotated, BinaryIO
 import numpy as np
 
 from crowquill.formats._bitmap import BILEVEL, DPI, KEYWORD, Bytes, bands, page, said
-from crowquill.formats._bitmap import recipe as recipe  # a format's own reader
+from crowquill.formats._bitmap import foresee as foresee  # what every format may have
+from crowquill.formats._bitmap import recipe as recipe
 from crowquill.knobs import Flag, Range
 from crowquill.sheet import Sheet
 from crowquill.units import INCH

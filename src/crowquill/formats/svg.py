@@ -46,9 +46,7 @@ def write(
 
     Raises ValueError for more than 20 000 dots when each is to be an element of its own: editors stall over more.
     """
-    dots = sum(len(layer.art) for layer in sheet.layers if isinstance(layer.art, Marks))
-    if separate and dots > SEPARATE:
-        raise ValueError(f"{dots} dots are too many to be separate elements: editors bear {SEPARATE}; draw fewer, or leave out separate")
+    foresee(sheet.size, sum(len(layer.art) for layer in sheet.layers if isinstance(layer.art, Marks)), separate=separate)
     width, height = sheet.size
     drawing = svgwrite.Drawing(
         size=(f"{number(width)}mm", f"{number(height)}mm"), viewBox=f"0 0 {number(width)} {number(height)}", debug=False
@@ -67,6 +65,12 @@ def write(
     root.insert(0, _metadata(about, table, sheet.attached))
     ElementTree.ElementTree(root).write(file, encoding="utf-8", xml_declaration=True)
     file.write(b"\n")
+
+
+def foresee(_size: tuple[float, float], marks: int, *, separate: bool) -> None:
+    """Raises ValueError for more marks than are written as elements of their own."""
+    if separate and marks > SEPARATE:
+        raise ValueError(f"{marks} dots are too many to be separate elements: editors bear {SEPARATE}; draw fewer, or leave out separate")
 
 
 def read(data: bytes, name: str) -> Sheet:

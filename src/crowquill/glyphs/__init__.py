@@ -30,6 +30,12 @@ class Library:
     glyphs: tuple[Glyph, ...]
     about: dict[str, Any]
 
+    @property
+    def pen(self) -> float | None:
+        """The width of the pen in mm, where the library says it."""
+        own = self.about.get("pen_mm")
+        return float(own) if isinstance(own, (int, float)) and 0.01 <= own <= 50 else None
+
 
 @dataclass(frozen=True, eq=False)
 class Patch:

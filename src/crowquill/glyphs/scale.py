@@ -9,6 +9,7 @@ from crowquill.glyphs.ruler import SURE, Ruler, found
 from crowquill.paths import Array, Paths
 from crowquill.units import INCH
 
+FINEST = 25_400.0  # dpi: a pixel is a micrometre
 COARSEST = 300.0  # dpi: a 0.3 mm dot is 3.5 pixels across
 PLACEHOLDERS = (72.0, 96.0)  # dpi that cameras and programs write when they know none
 AGREED = 0.02  # a tag and a ruler that differ by less say the same
@@ -39,12 +40,14 @@ def of_page(light: Grey, name: str, dpi: float | None, tag: float | None) -> tup
     said = []
     if ruler and shown and origin != "ruler" and abs(shown / chosen - 1) > AGREED:
         by = "what is given" if origin == "given" else "the file's tag"
-        said.append(f"the ruler shows {shown:.0f} dpi, {by} says {chosen:g}: sizes are by the latter; give dpi if the ruler is right")
+        said.append(f"the ruler shows {shown:.0f} dpi, {by} says {chosen:g}: sizes are by the latter; give the ruler's dpi if it is right")
     return float(chosen), origin, ruler, tuple(said)
 
 
 def fine(dpi: float, name: str, origin: str = "") -> None:
-    """ValueError for a dpi that is no number from 300."""
+    """ValueError for a dpi that is no number from 300 to 25 400."""
+    if dpi > FINEST:
+        raise ValueError(f"{name}: {origin}{dpi:.5g} dpi, finer than any scanner; give the true dpi, such as 1200")
     if not COARSEST <= dpi < np.inf:
         remedy = "go nearer" if origin else "scan at 1200, or give the true dpi"
         raise ValueError(f"{name}: {origin}{dpi:.5g} dpi, too coarse for ink dots; {remedy}, {COARSEST:g} or more")

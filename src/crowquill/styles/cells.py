@@ -33,7 +33,7 @@ def draw(
     rng: np.random.Generator,
     *,
     pen: Annotated[float | None, Range(0.01, 50, "mm", "line width (0.15mm)")] = None,
-    dots: Annotated[int | None, Range(1, 100_000_000, "", "number of cells; the tone gives")] = None,
+    dots: Annotated[int | None, Range(1, 100_000_000, "", "number of cells, however much ink their lines are")] = None,
     net: Annotated[bool, Flag("draw the triangles between sites in place of the cells around them")] = False,
     iterations: Annotated[int, Range(0, 100_000, "", "most relaxation steps")] = 30,
     until: Annotated[float, Range(0, 1, "", "stop when sites move less, in spacings; 0 never")] = 0.0,
@@ -85,7 +85,7 @@ def draw(
         "movement": state.movement,
         "seconds": clock.laps,
     }
-    report["warnings"] = _warnings(report)
+    report["warnings"] = _warnings(report, dots)
     if tone.importance is not None:
         report["warnings"].append("importance is not heeded: lines of one pen leave nothing to choose; stippling heeds it")
     return Sheet(tone.size, (Layer(Ink(pen=width), lines, "net" if net else "cells"),), report=report)
@@ -169,15 +169,16 @@ def inked(lines: Paths, pen: float) -> float:
     return float(cover.sum()) * pixel**2
 
 
-def _warnings(report: dict[str, Any]) -> list[str]:
+def _warnings(report: dict[str, Any], dots: int | None) -> list[str]:
     """What is to be said of the ink."""
     if not report["ink_asked_mm2"]:
         return ["no ink: the picture is white, or lighter than the white cutoff, where it may be drawn on"]
+    if not report["marks"] and dots is not None:
+        return [f"no lines: {dots} cells have no edge between them that is not over white; more would"]
     if not report["marks"]:
         return [f"no lines: all the ink is less than two cells of {report['pen_mm']:.4g} mm lines take; a finer pen would draw it"]
     missing = report["coverage_missing"]
     if missing > 0.02:
-        return [
-            f"{missing:.1%} of the ink asked for is not reached; a wider pen or lighter tones would help, {CAP} is the most lines cover"
-        ]
+        wish = f"a wider pen or lighter tones would help, {CAP} is the most lines cover" if dots is None else "more cells would help"
+        return [f"{missing:.1%} of the ink asked for is not reached; {wish}"]
     return []

@@ -25,6 +25,7 @@ from crowquill.stippling import NOMINAL, Clock, Plan, allowed, apart, dotted, ex
 from crowquill.styles import Work
 from crowquill.tone import Tone
 
+EITHER = ("pen", "dots", "sizes")  # of which one is enough: who types one means to do without what a recipe has of the others
 SPAN = (0.6, 1.6)  # smallest and largest dots over a pen that follows the tone: areas of 1 to 7
 ENLARGED = (0.8, 1.25)  # of their own size, beyond which dots no longer look like ink of their nib
 FULL = 0.9  # of the paper that circles fill when they hardly meet: equal ones at best 0.907
@@ -39,7 +40,12 @@ def draw(
     pen: Annotated[float | None, Range(0.01, 50, "mm", "dot diameter; decides the number of dots (0.3mm)")] = None,
     dots: Annotated[int | None, Range(1, 100_000_000, "", "number of dots; decides their diameter")] = None,
     sizes: Annotated[tuple[float, ...] | None, Numbers(0.01, 50, "mm", "several nibs, small in the lights: 0.2mm,0.3mm,0.5mm")] = None,
-    size_by: Annotated[str, Choice(("pen", "tone"), "dots as wide as the pens, or of any width the tone asks for")] = "pen",
+    size_by: Annotated[
+        str,
+        Choice(
+            ("pen", "tone"), "dots as wide as pens, or by tone, 0.6 to 1.6 times the pen or between sizes"
+        ),
+    ] = "pen",
     glyphs: Annotated[str | None, Text("library of dots: a name, or an SVG file (the nib nearest to the pen)", file=True)] = None,
     iterations: Annotated[int, Range(0, 100_000, "", "most relaxation steps")] = 30,
     until: Annotated[float, Range(0, 1, "", "stop when dots move less, in spacings; 0 never")] = 0.0,
@@ -54,7 +60,7 @@ def draw(
     """A sheet the tone's size with a layer of black dots for each nib; the centre of none on white or outside the canvas.
 
     pen and dots    either gives the other by the tone's ink; both fix both and let the tone give; neither
-                    is a 0.3 mm pen, or one as fine as the canvas is narrow
+                    is the pen of the glyphs, or 0.3 mm, or one as fine as the canvas is narrow
     sizes           nibs in place of the pen: the mean area of dots rises with the ink from the smallest's to the
                     largest's; with dots both are fixed, and the tone gives
     size_by         "tone": areas follow the ink of each cell, from the smallest of sizes to the largest, or from
@@ -62,12 +68,14 @@ def draw(
     importance      of the tone: dots of several sizes are finer there; of one size, more, and the tone gives
     ink             the union of the dots covers what is asked up to 0.97, because the number of
                     dots makes up for their overlap; the report has `coverage_missing`
-    min_gap         asks for no more coverage than dots so far apart can give, so that tone still rises with tone
+    min_gap         presses tones together to what dots so far apart can cover, so that tone still rises with tone
     no ink          an empty sheet and a warning. Raises ValueError for more than max_dots, for a
                     pen wider than the canvas, and for pen and sizes together
     """
     clock = Clock()
     fixed = None if glyphs is None else libraries.load(glyphs)
+    if fixed and pen is None and dots is None and sizes is None:
+        pen = fixed.pen
     pens, span = _pens(pen, sizes, size_by)
     plan = planned(
         tone, pen=pen if sizes is None else max(sizes), dots=dots, span=span,
@@ -98,7 +106,7 @@ def draw(
         "seconds": clock.laps,
         **_told(batches),
     }
-    report["warnings"] += _enlarged(batches) if pen or sizes else []  # whoever asks for a number of dots asks for no nib
+    report["warnings"] += _enlarged(batches) if pen or sizes or glyphs else []  # who asks for a number of dots asks for no nib
     # the finest first: over a broad nib's wet ink it would drag
     drawn = [batch for batch in batches if len(batch.marks)] or batches[:1]
     layers = tuple(Layer(Ink(), batch.marks, f"{batch.pen:.4g} mm" if len(pens) > 1 else "") for batch in drawn)
@@ -115,8 +123,7 @@ class Batch:
 
     def told(self) -> dict[str, Any]:
         """What is reported of it; ink is the sum of areas, overlap not taken off; pen and scaling of the library where it says its own."""
-        own = self.library.about.get("pen_mm")
-        own = float(own) if isinstance(own, (int, float)) and 0 < own < np.inf else None
+        own = self.library.pen
         return {
             "pen_mm": self.pen,
             "marks": len(self.marks),
