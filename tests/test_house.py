@@ -29,6 +29,9 @@ spacing
 relax lettering route
 stippling plots
 layout contact
+hatching
+plotforms
+plotting
 styles formats
 recipe seen
 making

@@ -58,7 +58,7 @@ def _words(drawing: Judged) -> list[str]:
         f"coverage {ink['coverage']:.3f}" + ("" if ink["overlap"] is None else f", overlap {ink['overlap']:.1%}"),
         f"nearest neighbour {_number(near['nearest'])} mm, least {_number(near['nearest_least'])}; evenness {_number(near['evenness'])}, "
         f"capacity error {_number(near['capacity_cv'])}, hexagons {_number(near['hexagons'])}",
-        f"reads as {look['verdict']}: {' '.join(look['reasons'])}",
+        f"{'texture' if look['verdict'] == 'unread' else 'reads as ' + look['verdict']}: {' '.join(look['reasons'])}",
     ]
     if "tone" in facts:
         tone, first = facts["tone"], facts["tone"]["blurs"][0]
