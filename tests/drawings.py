@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -60,7 +61,18 @@ def _plain(art: Marks | Paths) -> Any:
     return columns, [(glyph.size, _plain(glyph.paths)) for glyph in art.glyphs]
 
 
+def strokes(seed: int = 1, n: int = 30) -> Sheet:
+    """The same with outlines in place of fills: what a pen plotter draws."""
+    sheet = everything(seed, n)
+    return replace(sheet, layers=tuple(replace(layer, ink=replace(layer.ink, pen=layer.ink.pen or 0.3)) for layer in sheet.layers))
+
+
+def drawable(format: str, seed: int = 1) -> Sheet:
+    """All that a sheet can hold and the format draws."""
+    return strokes(seed) if hasattr(formats.module(format, format), "STROKES") else everything(seed)
+
+
 @functools.cache
 def file(format: str) -> bytes:
-    """The bytes of everything() in a format."""
-    return formats.to_bytes(everything(), format)
+    """The bytes of drawable() in a format."""
+    return formats.to_bytes(drawable(format), format)

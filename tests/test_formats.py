@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from drawings import NIB, everything, file
+from drawings import NIB, drawable, everything, file
 
 from crowquill import formats
 from crowquill.paths import Paths
@@ -27,10 +27,10 @@ FORMATS = pytest.mark.parametrize("format", formats.names())
 
 @FORMATS
 def test_the_same_sheet_gives_the_same_bytes_at_any_time(format: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    first = formats.to_bytes(everything(), format)
+    first = formats.to_bytes(drawable(format), format)
     monkeypatch.setattr(time, "time", lambda: 4e9)
-    assert formats.to_bytes(replace(everything(), report={"seconds": 9.9}), format) == first
-    assert formats.to_bytes(everything(seed=2), format) != first
+    assert formats.to_bytes(replace(drawable(format), report={"seconds": 9.9}), format) == first
+    assert formats.to_bytes(drawable(format, seed=2), format) != first
 
 
 def test_the_same_bytes_come_from_another_process_time_zone_and_order_of_hashes() -> None:
@@ -44,8 +44,8 @@ def test_the_same_bytes_come_from_another_process_time_zone_and_order_of_hashes(
 def test_paths_open_files_and_bytes_get_the_same(format: str, tmp_path: Path) -> None:
     buffer, named = io.BytesIO(), tmp_path / f"b.{format}"
     with named.open("wb") as open_file:
-        formats.save(everything(), tmp_path / f"a.{format.upper()}", str(tmp_path / f"c.{format}"), open_file)
-    formats.save(everything(), buffer, format=format)
+        formats.save(drawable(format), tmp_path / f"a.{format.upper()}", str(tmp_path / f"c.{format}"), open_file)
+    formats.save(drawable(format), buffer, format=format)
     assert {path.read_bytes() for path in tmp_path.iterdir()} == {buffer.getvalue()} == {file(format)}
 
 
@@ -58,7 +58,7 @@ def test_sheets_with_nothing_on_them_are_files_too(format: str) -> None:
         (Layer(Ink(), Paths.of([])),),
     ):
         data = formats.to_bytes(Sheet((50, 60), layers), format)
-        assert len(data) > 100  # a header at the least
+        assert len(data) > (10 if hasattr(formats.module(format, format), "STROKES") else 100)  # a header at the least
 
 
 @FORMATS

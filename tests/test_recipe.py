@@ -20,6 +20,7 @@ from crowquill.recipe import Recipe, Source, parsed, read_toml
 pytestmark = pytest.mark.usefixtures("desk")
 QUICK = ["--paper", "60x50mm", "--margin", "5mm", "--dots", "60", "--iterations", "2", "--quiet"]
 DOT = '<svg xmlns="http://www.w3.org/2000/svg"><path d="M1 0C1 1 0 1 0 0C0 -1 1 -1 1 0Z"/></svg>'
+KEEPING = [format for format in formats.names() if hasattr(formats.module(format, format), "recipe")]
 FRAME = '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" viewBox="0 0 40 30"><path d="M5 5H35V25H5Z"/></svg>'
 
 
@@ -66,17 +67,17 @@ def test_what_is_not_said_in_a_toml_has_its_default():
     assert short.data() == Recipe("stipple", knobs={"pen": 0.5}).data()
 
 
-@pytest.mark.parametrize("kind", formats.names())
+@pytest.mark.parametrize("kind", KEEPING)
 def test_a_drawing_made_again_is_the_same_to_the_byte(desk: Path, kind: str):
     run("stipple", "ramp.png", f"a.{kind}", *QUICK, "--seed", "5", "--glyphs", "dot.svg", "--canvas", "frame.svg", "--check-bar")
     other = desk / "other" / "folder"
     other.mkdir(parents=True)
     for name in (f"a.{kind}", "ramp.png", "dot.svg", "frame.svg"):
         shutil.move(name, other)
-    run("redo", other / f"a.{kind}", *(f"b.{format}" for format in formats.names()), "--quiet")
+    run("redo", other / f"a.{kind}", *(f"b.{format}" for format in KEEPING), "--quiet")
     kept = other / f"a.{kind}"
     assert (desk / f"b.{kind}").read_bytes() == kept.read_bytes()
-    recipes = [formats.recipe_of(Path(f"b.{format}"))[0] for format in formats.names()]
+    recipes = [formats.recipe_of(Path(f"b.{format}"))[0] for format in KEEPING]
     assert all(made == recipes[0] for made in recipes)
 
 

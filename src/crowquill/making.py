@@ -8,8 +8,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
-from crowquill import formats, layout, recipe, styles
+from crowquill import formats, layout, plotting, recipe, styles, units
 from crowquill.recipe import PICTURE, Recipe, Source
 from crowquill.sheet import Sheet
 from crowquill.styles import Work
@@ -35,11 +36,39 @@ def steps(wanted: Recipe, paths: Paths, size: tuple[float, float], tone: Tone) -
     """The work that the recipe asks for on what laid_out() gave: a generator of Steps that returns the sheet on its paper."""
     recipe.check_names(wanted)
     full = wanted.with_paths(paths)
-    sheet = yield from styles.steps(full.style, tone, seed=full.seed, **full.knobs)
+    chosen = {**full.knobs, **_timed(wanted, tone)}
+    sheet = yield from styles.steps(full.style, tone, seed=full.seed, **chosen)
     sheet = layout.on_paper(sheet, size, wanted.paper["margin"], wanted.paper["check_bar"])
     made = {key: sheet.recipe[key] for key in sorted(recipe.RESULTS)}
+    settings = {key: value for key, value in wanted.plot.items() if key not in ("purpose", "plot_time")}
+    settings["nib"] = settings["nib"] or wanted.knobs.get("pen")  # who draws for a pen plots with it
+    sheet = recipe.finished(sheet, settings, purpose=wanted.plot["purpose"])
     sheet = replace(sheet, recipe={**wanted.data(), "version": version("crowquill"), **made})
     return recipe.attached(sheet, wanted, paths, embed=wanted.files.get("embed", False))
+
+
+def _timed(wanted: Recipe, tone: Tone) -> dict[str, int]:
+    """The number of dots that a plotter has time for, where a time is given."""
+    if wanted.plot["plot_time"] is None:
+        return {}
+    if "dots" not in wanted.knobs:
+        raise ValueError(f"style {wanted.style} has no number of dots to choose; leave out plot-time")
+    dots = plotting.dots_for(units.duration(wanted.plot["plot_time"]), inked(tone), **plotter(wanted))
+    if dots < 1:
+        raise ValueError(f"plot-time {wanted.plot['plot_time']} is too short for a dot; give more")
+    return {"dots": dots}
+
+
+def inked(tone: Tone) -> float:
+    """The area on which a tone asks for any ink, mm^2."""
+    return float(((tone.coverage > 0) * tone.inside).sum() * tone.pixel[0] * tone.pixel[1]) or 1.0
+
+
+def plotter(wanted: Recipe) -> dict[str, Any]:
+    """What a recipe says of nib, dots and machine, as plotting.expected takes it."""
+    plot = wanted.plot
+    machine = plotting.Machine(plot["speed_down"], plot["speed_up"], plot["lift"], plot["dwell"])
+    return {"nib": plot["nib"] or plotting.NIB, "dot": plot["dot"], "machine": machine}
 
 
 def found(file: Path, given: Paths, folder: Path) -> tuple[Recipe, dict[str, Path]]:

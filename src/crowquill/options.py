@@ -16,14 +16,14 @@ from crowquill.knobs import Choice, Flag, Knob, Numbers, Range, Text, of
 from crowquill.recipe import TABLES, Recipe
 from crowquill.vector import contents
 
-PANELS = {"paper": "Paper and size", "tone": "Picture and tone", "knobs": "The style's knobs", "files": "Files"}
+PANELS = {"paper": "Paper and size", "tone": "Picture and tone", "knobs": "The style's knobs", "files": "Files", "plot": "For a plotter"}
+NAMES = {"purpose": "--for"}  # a word that no parameter may have
 RUN = "Running"
+WRITTEN = "Files to write, by suffix: .svg, .pdf, .png, .tiff; for plotters .hpgl, .gcode."
 
 
 def _running(
-    out: Annotated[
-        list[Path], typer.Argument(help="Files to write, by suffix: .svg, .pdf, .png, .tiff.", show_default=False, metavar="OUT")
-    ],
+    out: Annotated[list[Path], typer.Argument(help=WRITTEN, show_default=False, metavar="OUT")],
     *,
     report: Annotated[
         Path | None, typer.Option(help="Write what came of it as JSON; - prints it.", rich_help_panel=RUN, metavar="FILE")
@@ -141,7 +141,8 @@ def _option(knob: Knob, table: str) -> inspect.Parameter:
         more = {"metavar": "NAME|FILE"}
     if table == "files":
         default, shown = None, None if default in (None, False) else str(default)
-    names = [f"--{knob.name.replace('_', '-')}/--no-{knob.name.replace('_', '-')}"] if kind is bool else []
+    dashed = knob.name.replace("_", "-")
+    names = [f"--{dashed}/--no-{dashed}"] if kind is bool else [NAMES.get(knob.name, f"--{dashed}")]
     option = typer.Option(
         *names, help=f"{text}.", rich_help_panel=PANELS[table], show_default=shown or default not in (None, False), **more
     )

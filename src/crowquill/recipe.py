@@ -12,13 +12,13 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
 
-from crowquill import formats, layout, styles
-from crowquill.knobs import Flag, Knob, Text, checked, of, unknown
+from crowquill import formats, layout, plotting, styles
+from crowquill.knobs import Choice, Flag, Knob, Text, checked, of, unknown
 from crowquill.sheet import Sheet
 from crowquill.vector import regular
 
 SCHEMA = 1  # a reader refuses a newer one
-TABLES = ("paper", "tone", "knobs", "files")
+TABLES = ("paper", "tone", "knobs", "files", "plot")
 RESULTS = {"art_mm", "paper_mm", "art_at_mm"}  # what came of it: kept in files beside what made it
 PICTURE = "picture"
 
@@ -40,10 +40,11 @@ class Source:
 
 @dataclass(frozen=True)
 class Recipe:
-    """A style with its seed, and every setting by name in four tables; `sources` are the files by what they are for.
+    """A style with its seed, and every setting by name in five tables; `sources` are the files by what they are for.
 
     paper, tone  the keywords of layout.placed and layout.lit
     knobs        of the style; `files` of the formats written, only those that were asked for
+    plot         of finished() and of plotting.plotted, which count for plotters only
     """
 
     style: str
@@ -52,6 +53,7 @@ class Recipe:
     tone: Mapping[str, Any] = field(default_factory=dict)
     knobs: Mapping[str, Any] = field(default_factory=dict)
     files: Mapping[str, Any] = field(default_factory=dict)
+    plot: Mapping[str, Any] = field(default_factory=dict)
     sources: Mapping[str, Source] = field(default_factory=dict)
     version: str = field(default_factory=lambda: version("crowquill"))
 
@@ -67,7 +69,8 @@ class Recipe:
 
     def data(self) -> dict[str, Any]:
         """The recipe as JSON and TOML can hold it: what is left to a default of None is left out."""
-        tables = {table: {key: _plain(value) for key, value in getattr(self, table).items() if value is not None} for table in TABLES}
+        used = TABLES if self.plot["purpose"] == "plotter" else TABLES[:-1]
+        tables = {table: {key: _plain(value) for key, value in getattr(self, table).items() if value is not None} for table in used}
         sources = {key: {"name": source.name, "sha256": source.sha256} for key, source in self.sources.items()}
         return {"schema": SCHEMA, "version": self.version, "style": self.style, "seed": int(self.seed), "sources": sources, **tables}
 
@@ -91,6 +94,8 @@ def takes_of(table: str, style: str) -> dict[str, Knob]:
     """The knobs of a table of recipes for a style."""
     if table == "files":
         return {key: knob for name in formats.names() for key, knob in formats.knobs(name).items()} | of(attached)
+    if table == "plot":
+        return of(finished) | of(plotting.plotted)
     return styles.knobs(style) if table == "knobs" else of(layout.placed if table == "paper" else layout.lit)
 
 
@@ -103,6 +108,17 @@ def files_of(recipe: Recipe) -> dict[str, str]:
             if isinstance(knob.takes, Text) and knob.takes.file and value and Path(value).suffix:
                 found[key] = value
     return found
+
+
+def finished(
+    sheet: Sheet,
+    settings: Mapping[str, Any],
+    *,
+    purpose: Annotated[str, Choice(("print", "plotter"), "what draws it; a plotter gets strokes, in their order")] = "print",
+    plot_time: Annotated[str | None, Text("time it may take, such as 90min or 2h; decides the number of dots")] = None,  # noqa: ARG001
+) -> Sheet:
+    """The sheet as it is, or, for a plotter, as strokes by these settings; the number of dots was decided before."""
+    return plotting.plotted(sheet, **settings) if purpose == "plotter" else sheet
 
 
 def attached(

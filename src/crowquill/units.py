@@ -38,6 +38,18 @@ def length(text: str) -> float:
     return value
 
 
+def duration(text: str) -> float:
+    """Seconds of a time with its unit, such as "90min" or "1.5h". Raises ValueError otherwise.
+
+    >>> duration("90min"), duration("2h")
+    (5400.0, 7200.0)
+    """
+    found = re.fullmatch(rf"\s*{_NUMBER}\s*(s|min|h)\s*", text, re.IGNORECASE | re.ASCII)
+    if not found or float(found[1]) <= 0:
+        raise ValueError(f"time {text!r} is not understood; write a number over 0 and one of s, min, h, such as 90min")
+    return float(found[1]) * {"s": 1, "min": 60, "h": 3600}[found[2].lower()]
+
+
 def paper(text: str) -> tuple[float, float]:
     """Width and height in mm of a paper by name (a4, a5, letter, upright) or as "WxH" with a unit.
 

@@ -11,11 +11,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Set
 from pathlib import Path
 from typing import Any
 
-from crowquill import formats, making, options, styles
+from crowquill import formats, making, options, plotting, styles
 from crowquill.commands import note, plain, say
 from crowquill.recipe import PICTURE, Recipe, files_of
 from crowquill.sheet import Sheet, Step
 from crowquill.tone import Tone
+
+TIMES = {"seconds": "time", "plot": "plot"}  # of the facts of a plan, and what they are called
 
 
 def command(style: str) -> Callable[..., int]:
@@ -30,9 +32,15 @@ def _drawn(wanted: Recipe, *, picture: Path, out: list[Path], recipe: Path | Non
     if PICTURE in sources and sources[PICTURE].name != picture.name:
         said = [f"{recipe} was made for {sources[PICTURE].name}; its settings are used for {picture.name}"]
     paths = {PICTURE: picture, **{key: Path(value) for key, value in files_of(wanted).items()}}
+    plotter = wanted.plot["purpose"] == "plotter"
+    if not plotter and (idle := sorted(typed & set(wanted.plot))):
+        raise ValueError(f"--{idle[0].replace('_', '-')} is for plotters; add --for plotter")
     asked = {key: value for key, value in wanted.files.items() if key in typed and key != "embed"}
     formats.writers(Sheet((1, 1)), [(path, None) for path in out], asked)
     modules = [formats.module(path.suffix[1:].lower(), str(path)) for path in out]
+    strokes = [path for path, module in zip(out, modules, strict=True) if getattr(module, "STROKES", False)]
+    if strokes and not plotter:
+        raise ValueError(f"{strokes[0]}: takes strokes only; add --for plotter")
     if "embed" in typed and wanted.files.get("embed") and not any(hasattr(module, "KEEPS_FILES") for module in modules):
         raise ValueError(f"{out[0]}: keeps no picture inside; leave out --embed, or write an SVG or a PDF too")
     check(paths.values(), out, **run)
@@ -68,11 +76,14 @@ def draw(
         page, tone = making.laid_out(wanted, paths)
     work = making.steps(named(wanted, paths), paths, page, tone)
     takes = {key for path in out for key in formats.knobs(path.suffix[1:].lower())}
-    values = {key: value for key, value in wanted.files.items() if key in takes}
+    values = {key: value for key, value in wanted.with_paths(paths).files.items() if key in takes}
     planned = next(work).facts
     formats.foresee(out, page, int(planned.get("dots", 0)), values)
     if dry_run:
         work.close()
+        if wanted.plot["purpose"] == "plotter":
+            dots = int(planned.get("dots", 0))
+            planned = {**planned, "plot": plotting.expected(dots, making.inked(tone), **making.plotter(wanted))}
         return _foretold(planned, tone, page)
     sheet = styles.run(work) if quiet else _watched(work)
     warnings = [*said, *tone.notes, *sheet.report["warnings"]]
@@ -107,11 +118,25 @@ class _Report:
     def summary(self) -> str:
         """What was drawn, how large, with how much ink, where."""
         facts, art, page = self.facts, self.facts["art_mm"], self.facts["paper_mm"]
-        return (
+        plot = facts.get("plot")
+        drawn = (
             f"{facts['marks']} marks, {art[0]:.4g} x {art[1]:.4g} mm on {page[0]:g} x {page[1]:g} mm, "
             f"ink {facts['ink_placed_mm2']:.0f} of {facts['ink_asked_mm2']:.0f} mm2, "
             f"{time.perf_counter() - self._began:.1f} s: {plain(', '.join(facts['files']))}"
         )
+        if not plot:
+            return drawn
+        return (
+            f"{drawn}\n{plot['strokes']} strokes, {plot['pen_down_mm'] / 1000:.1f} m drawn, {plot['pen_up_mm'] / 1000:.1f} m with "
+            f"the pen up, {plot['lifts']} lifts: about {_long(plot['seconds'])} of plotting"
+        )
+
+
+def _long(seconds: float) -> str:
+    """A time as people say it."""
+    if seconds < 120:
+        return f"{seconds:g} s" if seconds < 10 else f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
 
 
 @contextlib.contextmanager
@@ -134,7 +159,7 @@ def _foretold(facts: Mapping[str, float], tone: Tone, page: tuple[float, float])
     say(f"art    {tone.size[0]:.4g} x {tone.size[1]:.4g} mm")
     say(f"ink    {tone.ink:.1f} mm2 asked")
     for name, value in facts.items():
-        say(f"{name:<6} {value:g}" if name != "seconds" else f"time   about {value:g} s")
+        say(f"{name:<6} {value:g}" if name not in TIMES else f"{TIMES[name]:<6} about {_long(value)}")
     return 0
 
 
