@@ -21,7 +21,7 @@ import shapely
 from scipy.spatial import Delaunay
 
 import crowquill
-from crowquill import cells, hilbert, moments
+from crowquill import cells, hilbert, judge, moments, seen
 from crowquill.tone import Tone
 
 SITES = 100_000
@@ -84,6 +84,7 @@ def main(quick: bool) -> None:
     told = seconds(lambda: subprocess.run([program, "--help"], check=True, stdout=subprocess.DEVNULL))
     row("python -c 'import numpy'", bare, d)
     row("crowquill --help", told, d, f"{told[0] / bare[0]:.2f} times import numpy; bar 2")
+    judged(d)
     if not quick:
         plates(d, program)
 
@@ -104,6 +105,13 @@ def plates(d: float, program: str) -> None:
         specimen = str(Path(__file__).parent.parent / "gallery" / "specimen.png")
         taken, _ = process(program, "stipple", specimen, *out, "--quiet", folder=f"{folder}/cache", fresh=True)
         row("first drawing ever: the specimen's plate, compiling all", (taken, taken, 0.0), d, "bar 60 D")
+
+
+def judged(d: float) -> None:
+    """Every measure of a drawing of about 100 000 dots against its picture of 4 Mpx."""
+    tone = Tone(shaded(2000), (180, 180))
+    sheet = crowquill.draw("stipple", tone, dots=SITES, iterations=10)
+    row(f"judge, {len(sheet.marks)} dots against 4 Mpx", seconds(partial(judge.of, seen.of_sheet(sheet), tone), 2), d, "bar 20 D")
 
 
 BITMAP = "import sys, crowquill; crowquill.save(crowquill.load(sys.argv[1]), sys.argv[2], dpi=1200, bilevel=True)"

@@ -20,7 +20,7 @@ from crowquill.units import POINT, paper
 GALLERY = Path(__file__).resolve().parents[1] / "gallery"
 SCRIPTS = sorted(GALLERY.glob("*.py"))
 SMALLER = {"plate": {"width": 50.0}, "sizes": {"width": 50.0}}  # mm; at their own they take ten seconds
-COLOURED = {"measures"}
+COLOURED = {"measures", "plotter"}
 KILOBYTES = {"plate": 900, "specimen": 2500}  # of a PNG; 400 for the others
 SAVED = """if __name__ == "__main__":
     out = Path(__file__).parent / "out" / Path(__file__).stem

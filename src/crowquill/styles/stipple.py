@@ -42,9 +42,7 @@ def draw(
     sizes: Annotated[tuple[float, ...] | None, Numbers(0.01, 50, "mm", "several nibs, small in the lights: 0.2mm,0.3mm,0.5mm")] = None,
     size_by: Annotated[
         str,
-        Choice(
-            ("pen", "tone"), "dots as wide as pens, or by tone, 0.6 to 1.6 times the pen or between sizes"
-        ),
+        Choice(("pen", "tone"), "dots as wide as pens, or by tone, 0.6 to 1.6 times the pen or between sizes"),
     ] = "pen",
     glyphs: Annotated[str | None, Text("library of dots: a name, or an SVG file (the nib nearest to the pen)", file=True)] = None,
     iterations: Annotated[int, Range(0, 100_000, "", "most relaxation steps")] = 30,
