@@ -14,7 +14,7 @@ from crowquill.paths import Array, Paths
 from crowquill.sheet import Ink, Layer, Marks, Sheet
 
 UP = Ink("pen up", (0.0, 0.85, 0.9, 0.0), 0.1)
-HOME = (0.0, 0.0)  # mm, where the pen begins
+HOME = (0.05, 0.05)  # mm: the corner, where the pen begins, so far in that half of the red line is not cut off
 
 
 def add(app: typer.Typer) -> None:
