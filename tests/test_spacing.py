@@ -179,7 +179,7 @@ def test_a_canvas_may_lie_anywhere_and_have_any_shape(even: np.ndarray) -> None:
 @pytest.mark.parametrize(
     ("sites", "gone"),
     [
-        ([], "nearest nearest_least nearest_cv evenness alpha hexagons capacity_cv capacity_error quadrature random"),
+        ([], "nearest nearest_least nearest_cv evenness alpha hexagons capacity_cv capacity_error quadrature random regular"),
         ([(0.3, 0.4)], "nearest nearest_least nearest_cv evenness alpha hexagons"),
         ([(0.3, 0.4)] * 4, "nearest_cv evenness hexagons"),
         ([(0.1, 0.5), (0.4, 0.5), (0.9, 0.5)], "evenness hexagons"),

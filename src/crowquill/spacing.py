@@ -50,6 +50,7 @@ class Spacing:
     pair_peak         and how great; 1 is random's
     quadrature        errors on smooth functions, half planes, polynomials, over their own root mean square
     random            the errors that as many random sites would have
+    regular           the errors of about as many on a square grid, each with the ink of its place
     """
 
     n: int
@@ -73,6 +74,7 @@ class Spacing:
     pair_peak: float | None
     quadrature: tuple[float, float, float] | None
     random: tuple[float, float, float] | None
+    regular: tuple[float, float, float] | None
     notes: tuple[str, ...]
     radial: spectrum.Radial | None = field(repr=False, default=None)
     pair_curve: tuple[Array, Array] | None = field(repr=False, default=None)
@@ -124,10 +126,23 @@ def of(
         pair_peak=float(pairs[far].max()) if len(pairs) else None,
         quadrature=None if errors is None else (errors.smooth, errors.edge, errors.polynomial),
         random=None if errors is None else errors.random,
+        regular=_regular(len(sites), tone),
         notes=_notes(len(sites), tone.ink > 0, six is not None, power is not None, len(pairs) > 0),
         radial=power,
         pair_curve=(distance, pairs) if len(pairs) else None,
     )
+
+
+def _regular(n: int, tone: Tone) -> tuple[float, float, float] | None:
+    """The errors of quadrature of about n sites on a square grid in the canvas, weighed by coverage."""
+    if not n:
+        return None
+    step = np.sqrt(shapely.area(tone.canvas) / n)
+    x, y = (np.arange(step / 2, side, step) for side in tone.size)
+    grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    grid = grid[tone.holds(grid)]
+    found = quadrature.of(grid, tone, weights=tone.at(grid))
+    return None if found is None else (found.smooth, found.edge, found.polynomial)
 
 
 def _notes(n: int, ink: bool, inner: bool, level: bool, deep: bool) -> tuple[str, ...]:

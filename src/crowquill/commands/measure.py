@@ -36,6 +36,8 @@ ROWS = (  # what is said of a drawing: the words, where in the facts it is, and 
     ("quadrature, smooth", ("spacing", "quadrature", 0), "{:.5f}"),
     ("quadrature, edges", ("spacing", "quadrature", 1), "{:.5f}"),
     ("quadrature, polynomials", ("spacing", "quadrature", 2), "{:.5f}"),
+    ("  of random dots, smooth", ("spacing", "random", 0), "{:.5f}"),
+    ("  of a square grid, smooth", ("spacing", "regular", 0), "{:.5f}"),
     ("correlation one spacing off", ("texture", "near"), "{:.3f}"),
     ("correlation two spacings off", ("texture", "far"), "{:.3f}"),
     ("reads as", ("texture", "verdict"), "{}"),
