@@ -21,7 +21,8 @@ import shapely
 from scipy.spatial import Delaunay
 
 import crowquill
-from crowquill import cells, hilbert, judge, moments, seen
+from crowquill import cells, hilbert, judge, moments, route, seen
+from crowquill.paths import Paths
 from crowquill.tone import Tone
 
 SITES = 100_000
@@ -85,6 +86,7 @@ def main(quick: bool) -> None:
     row("python -c 'import numpy'", bare, d)
     row("crowquill --help", told, d, f"{told[0] / bare[0]:.2f} times import numpy; bar 2")
     judged(d)
+    routed(d)
     if not quick:
         plates(d, program)
 
@@ -105,6 +107,23 @@ def plates(d: float, program: str) -> None:
         specimen = str(Path(__file__).parent.parent / "gallery" / "specimen.png")
         taken, _ = process(program, "stipple", specimen, *out, "--quiet", folder=f"{folder}/cache", fresh=True)
         row("first drawing ever: the specimen's plate, compiling all", (taken, taken, 0.0), d, "bar 60 D")
+
+
+def routed(d: float) -> None:
+    """The order of 100 000 dots for a plotter, and vpype's of the same, the reading of its file taken off."""
+    places = np.random.default_rng(5).random((SITES, 2)) * 180
+    ends = np.repeat(places[:, None], 2, axis=1)
+    best = 0.7124 * np.sqrt(SITES * 180.0**2)
+    length = route.travel(ends, route.order(ends))
+    ours = seconds(lambda: route.order(ends), 2)
+    row(f"route.order, {SITES} dots", ours, d, f"{length / best:.3f} times 0.7124 sqrt(N A); bar 1.12")
+    with tempfile.TemporaryDirectory() as folder:
+        drawing = f"{folder}/dots.svg"
+        ticks = Paths(np.stack([places, np.add(places, (0.02, 0))], axis=1).reshape(-1, 2), np.arange(0, 2 * SITES + 1, 2), closed=False)
+        crowquill.save(crowquill.Sheet((181, 181), (crowquill.Layer(crowquill.Ink(pen=0.3), ticks),)), drawing)
+        read, _ = process(sys.executable, "-m", "vpype_cli", "read", drawing, folder=folder, fresh=False)
+        both, _ = process(sys.executable, "-m", "vpype_cli", "read", drawing, "linesort", folder=folder, fresh=False)
+    row("vpype linesort, the same dots", (both - read, both - read, 0.0), d, f"{(both - read) / ours[0]:.1f} times route.order; bar 10")
 
 
 def judged(d: float) -> None:
