@@ -161,6 +161,8 @@ def test_gamma_invert_and_crop_do_what_they_say(tmp_path: Path) -> None:
     np.testing.assert_allclose(coverage(path, invert=True, gamma=2), (1 - plain) ** 2, atol=EXACT)
     np.testing.assert_allclose(coverage(path, crop=(1 / 3, 0.5, 2 / 3, 0.5)), plain[1:, 1:], atol=EXACT)
     assert coverage(path, crop=(0.99, 0.99, 0.01, 0.01)).shape == (1, 1)
+    with pytest.raises(ValueError, match="has 3 numbers"):
+        coverage(path, crop=(0, 0, 1))
 
 
 @given(st.integers(1, 300), st.data())

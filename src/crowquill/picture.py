@@ -81,6 +81,8 @@ def window(shape: tuple[int, ...], crop: tuple[float, float, float, float] | Non
     h, w = shape[:2]
     if crop is None:
         return slice(0, h), slice(0, w)
+    if len(crop) != 4:
+        raise ValueError(f"crop {crop} has {len(crop)} numbers; give left, top, width, height as shares of 1")
     left, top, width, height = crop
     if not (0 <= left < left + width <= 1 + 1e-9 and 0 <= top < top + height <= 1 + 1e-9):
         raise ValueError(f"crop {crop} is not inside the picture; give left, top, width, height as shares of 1")
