@@ -1,4 +1,4 @@
-"""Print the recipe kept in a drawing's SVG or PDF as TOML, for redo and for --recipe."""
+"""Print the recipe kept in a drawing as TOML, for redo and for --recipe."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def add(app: typer.Typer) -> None:
 
     @app.command("recipe", help=__doc__, no_args_is_help=True)
     def printed(
-        file: Annotated[Path, typer.Argument(help="A drawing's SVG or PDF.", show_default=False, metavar="FILE")],
+        file: Annotated[Path, typer.Argument(help="A drawing: SVG, PDF, PNG or TIFF.", show_default=False, metavar="FILE")],
     ) -> int:
         text = making.read(file)[0].toml()
         if isinstance(sys.stdout, io.TextIOWrapper):

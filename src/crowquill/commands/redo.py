@@ -1,4 +1,4 @@
-"""Draw a drawing again from the recipe in its SVG or PDF: the same bytes.
+"""Draw a drawing again from the recipe that its file keeps: the same bytes.
 
 The picture is looked for beside the drawing, unless it was drawn with --embed, or is given.
 """
@@ -24,7 +24,7 @@ def add(app: typer.Typer) -> None:
 
 
 def _redone(
-    file: Annotated[Path, typer.Argument(help="A drawing's SVG or PDF, or its recipe as TOML.", show_default=False, metavar="FILE")],
+    file: Annotated[Path, typer.Argument(help="A drawing, SVG, PDF, PNG, TIFF, or a TOML recipe.", show_default=False, metavar="FILE")],
     picture: Annotated[Path | None, typer.Option(help="The picture it was drawn from, where it is not beside it.", metavar="FILE")] = None,
     canvas: Annotated[Path | None, typer.Option(help="Its canvas, likewise.", metavar="FILE")] = None,
     importance: Annotated[Path | None, typer.Option(help="Its map of importance, likewise.", metavar="FILE")] = None,
