@@ -27,7 +27,7 @@ SIZES = {"r", "rx", "ry", "width", "height"}
 LENGTHS = {"x", "y", "x1", "y1", "x2", "y2", "cx", "cy", "r", "rx", "ry", "width", "height"}
 HIDDEN = (("display", "none"), ("visibility", "hidden"))
 PX = INCH / 96  # mm to the CSS pixel
-KAPPA = 4 / 3 * (2**0.5 - 1)  # a quarter of a circle as one cubic strays by 2.7e-4 of its radius at most
+KAPPA = 2 - np.sqrt(4 - 20 / 3 * (np.pi / 4 - 0.5))  # a quarter of a circle as one cubic of just its area: 1/2 + 3k/5 - 3k^2/20 = pi/4
 QUARTER = np.array([(1, 0), (1, KAPPA), (KAPPA, 1)])
 CIRCLE = np.concatenate([QUARTER, QUARTER[:, ::-1] * (-1, 1), -QUARTER, QUARTER[:, ::-1] * (1, -1)])
 
