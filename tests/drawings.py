@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from crowquill import formats, glyphs, hilbert
+from crowquill.marks import Glyph, Marks
 from crowquill.paths import Paths
-from crowquill.sheet import Glyph, Ink, Layer, Marks, Sheet
+from crowquill.sheet import Ink, Layer, Sheet
 
 NIB = glyphs.load("nib-03").glyphs
 KITE = Glyph.of(Paths.of([[(3, 0), (1, 1), (0, 0.2), (1, -0.7)]]))

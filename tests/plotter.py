@@ -10,8 +10,9 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
+from crowquill.marks import Marks
 from crowquill.paths import Paths
-from crowquill.sheet import Ink, Layer, Marks, Sheet
+from crowquill.sheet import Ink, Layer, Sheet
 
 PAGE = (60.0, 40.0)
 

@@ -23,7 +23,7 @@ from PIL import Image
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
-from crowquill.sheet import Marks
+from crowquill.marks import Marks
 
 Array = npt.NDArray[np.float64]
 FINE = 100.0  # pixels to the mm; a 0.3 mm dot is 30 pixels wide

@@ -21,8 +21,9 @@ from rendering import run
 from crowquill import formats, glyphs, measure
 from crowquill.formats import _bitmap
 from crowquill.formats.svg import _paint
+from crowquill.marks import Marks
 from crowquill.paths import Paths
-from crowquill.sheet import Ink, Layer, Marks, Sheet
+from crowquill.sheet import Ink, Layer, Sheet
 from crowquill.units import INCH
 
 Codes = npt.NDArray[Any]

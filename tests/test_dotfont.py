@@ -24,8 +24,9 @@ from test_true_size import DIAMETER, POSITION, specimen, windows
 from crowquill import formats, glyphs
 from crowquill.formats import _dotfont
 from crowquill.formats._dotfont import FULL, SLIP
+from crowquill.marks import Glyph, Marks
 from crowquill.paths import Array, Paths
-from crowquill.sheet import Glyph, Ink, Layer, Marks, Sheet
+from crowquill.sheet import Ink, Layer, Sheet
 from crowquill.units import PAPERS
 
 (DISC,) = glyphs.load("disc").glyphs

@@ -19,8 +19,9 @@ import pytest
 from drawings import NIB, drawable, everything, file
 
 from crowquill import formats
+from crowquill.marks import Marks
 from crowquill.paths import Paths
-from crowquill.sheet import Ink, Layer, Marks, Sheet
+from crowquill.sheet import Ink, Layer, Sheet
 
 FORMATS = pytest.mark.parametrize("format", formats.names())
 

@@ -11,8 +11,8 @@ from PIL import Image
 import crowquill
 from crowquill import contact, glyphs
 from crowquill.__main__ import main
+from crowquill.marks import Marks
 from crowquill.paths import Paths
-from crowquill.sheet import Marks
 
 PIXELS = 1200 / 25.4  # to the mm
 WIDE = 0.3  # mm, of the dots of the page

@@ -13,8 +13,8 @@ import pytest
 import shapely
 
 from crowquill import glyphs
+from crowquill.marks import Glyph
 from crowquill.paths import Paths
-from crowquill.sheet import Glyph
 
 KNOWN = {"name", "simulated", "pen_mm", "count", "made", "source", "licence"}
 NIBS = [name for name in glyphs.names() if name.startswith("nib-")]

@@ -20,13 +20,13 @@ LAYERS = """
 units kernel
 knobs
 paths
-hilbert halftone vector picture delaunay
+hilbert halftone vector picture delaunay lettering marks
 tone tracing sheet
 cells glyphs raster
 moments measure
 spectrum quadrature texture likeness
 spacing
-relax lettering route
+relax route
 stippling plots
 layout contact
 hatching

@@ -15,9 +15,9 @@ from skimage.measure import regionprops
 from test_glyphs import NIBS, moments
 
 from crowquill import glyphs
+from crowquill.marks import Glyph
 from crowquill.paths import Paths
 from crowquill.picture import linear
-from crowquill.sheet import Glyph
 
 
 def masks(code: np.ndarray) -> list[Any]:

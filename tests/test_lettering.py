@@ -10,7 +10,7 @@ import resvg_py
 from PIL import Image
 
 from crowquill import Ink, Layer, Sheet, to_bytes
-from crowquill.lettering import text
+from crowquill.lettering import FACES, Words, text, width
 
 
 def test_a_capital_stands_on_its_line_and_is_as_high_as_the_font_says():
@@ -56,3 +56,29 @@ def test_a_word_looks_as_the_same_font_draws_it():
     assert pictures[1].sum() > 1000
     # kerning would move letters apart by more than this; a pixel is a tenth of a millimetre
     assert np.abs(pictures[0] - pictures[1]).mean() < 0.01
+
+
+def test_words_stand_where_their_anchors_say():
+    words = Words.of([("scale", 10, 5), ("bar", 10, 9)], size=3, anchor="end")
+    assert np.allclose(words.xy[:, 0] + [width("scale", 3), width("bar", 3)], 10, atol=1e-9)
+    ends = [text(line, 10, y, size=3, anchor="end").xy for line, y in (("scale", 5), ("bar", 9))]
+    assert np.allclose(words.outlines().xy, np.concatenate(ends), atol=1e-9)
+
+
+def test_faces_differ():
+    widths = {face: width("Ammonites", 3, face) for face in FACES}
+    assert widths["bold"] > widths["regular"]
+    assert not np.array_equal(text("a", 0, 0, font="italic").xy, text("a", 0, 0).xy)
+
+
+def test_a_font_that_is_none_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="no font 'heavy'; there are regular, bold, italic"):
+        width("a", 3, "heavy")
+    (tmp_path / "bad.ttf").write_bytes(b"no font at all")
+    with pytest.raises(ValueError, match=r"bad\.ttf: not a font"):
+        width("a", 3, str(tmp_path / "bad.ttf"))
+
+
+def test_words_without_size_are_refused():
+    with pytest.raises(ValueError, match="size of text is 0"):
+        Words.of([("a", 0, 0)], size=0)

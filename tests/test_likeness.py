@@ -14,7 +14,7 @@ from scipy.ndimage import gaussian_filter
 from skimage.metrics import peak_signal_noise_ratio, structural_similarity
 
 from crowquill import glyphs, likeness, raster, relax
-from crowquill.sheet import Marks
+from crowquill.marks import Marks
 from crowquill.tone import Tone
 
 Array = npt.NDArray[np.float64]

@@ -11,8 +11,8 @@ from hypothesis import settings as setting
 from hypothesis import strategies as st
 
 from crowquill import glyphs, measure
+from crowquill.marks import Glyph, Marks
 from crowquill.paths import Paths
-from crowquill.sheet import Glyph, Marks
 
 Array = npt.NDArray[np.float64]
 NIB = glyphs.load("nib-03").glyphs

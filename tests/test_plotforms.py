@@ -11,9 +11,9 @@ from hypothesis import settings as setting
 from hypothesis import strategies as st
 
 from crowquill import glyphs, hatching, lettering, plotforms, raster
+from crowquill.marks import Marks
 from crowquill.paths import Paths
 from crowquill.plotforms import Strokes
-from crowquill.sheet import Marks
 
 Array = npt.NDArray[np.float64]
 NIB = 0.3
@@ -102,7 +102,7 @@ def test_a_dot_as_wide_as_the_nib_is_one_touch_where_it_lies(form: str) -> None:
 
 
 def test_a_long_narrow_dot_is_a_tick_of_as_much_ink() -> None:
-    from crowquill.sheet import Glyph
+    from crowquill.marks import Glyph
 
     needle = Glyph.of(Paths.of([[(0, 0), (8, 0), (8, 1), (0, 1)]]))
     marks = Marks.of([(2.4, 2.4)], (needle,), scale=0.8)  # 2.26 by 0.28 mm

@@ -11,9 +11,10 @@ import pytest
 from drawings import everything, marks, same
 
 from crowquill import formats, lettering, plotting
+from crowquill.marks import Glyph, Marks
 from crowquill.paths import Paths
 from crowquill.plotting import Machine, dots_for, expected, plotted
-from crowquill.sheet import Glyph, Ink, Layer, Marks, Sheet, check_bar
+from crowquill.sheet import Ink, Layer, Sheet, check_bar
 
 Array = npt.NDArray[np.float64]
 DISC = Glyph.of(Paths.of([[(np.cos(t), np.sin(t)) for t in np.linspace(0, 2 * np.pi, 64, endpoint=False)]]))

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from crowquill import glyphs, spacing
 from crowquill.cells import voronoi
+from crowquill.marks import Glyph, Marks
 from crowquill.paths import Paths
 from crowquill.relax import lloyd, scatter
-from crowquill.sheet import Glyph, Marks
 from crowquill.tone import Tone
 
 UNIT = Tone(np.ones((1, 1)), (1, 1))

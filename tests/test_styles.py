@@ -15,7 +15,7 @@ import shapely
 import crowquill
 from crowquill import Paths, Sheet, Tone, options, styles
 from crowquill.knobs import Choice, Flag, Knob, Numbers, Range, Text
-from crowquill.sheet import Marks
+from crowquill.marks import Marks
 
 STYLES = styles.names()
 UM = 1e-3  # mm: lengths on a sheet are whole micrometres

@@ -21,8 +21,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from crowquill import formats, vector
+from crowquill.lettering import Words
+from crowquill.marks import Marks
 from crowquill.paths import Paths
-from crowquill.sheet import Ink, Layer, Marks, Sheet
+from crowquill.sheet import Ink, Layer, Sheet
 from crowquill.units import PAPERS
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -250,3 +252,16 @@ def test_large_dots_keep_the_length_of_attributes_too() -> None:
         sheet = Sheet((3030, 3030), (Layer(Ink(), Marks.of(big.xy, shapes, scale=15, angle=big.angle)),))
         root = ElementTree.fromstring(svg(sheet))
         assert max(len(path.attrib["d"]) for path in root.iter(f"{SVG}path")) < 2_000_000
+
+
+def test_words_and_spot_inks_come_back():
+    ink = Ink("PANTONE 124 C", (0, 0.3, 0.9, 0), spot=True, overprint=True)
+    words = Words.of([("500 \u00b5m", 10, 5), ("b", 3, 3)], size=2.5, font="bold")
+    sheet = Sheet((20, 10), (Layer(ink, words, "letters"),))
+    data = formats.to_bytes(sheet, "svg")
+    back = formats.load(io.BytesIO(data)).layers[0]
+    assert back.ink == ink
+    assert isinstance(back.art, Words)
+    assert (back.art.text, back.art.font) == (words.text, "bold")
+    assert np.allclose(back.art.xy, words.xy, atol=5e-4)  # mm: whole micrometres are kept
+    assert formats.to_bytes(Sheet((20, 10), (back,)), "svg") == data

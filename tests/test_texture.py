@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from skimage.feature import graycomatrix, graycoprops
 
 from crowquill import glyphs, raster, relax, texture
-from crowquill.sheet import Marks
+from crowquill.marks import Marks
 from crowquill.tone import Tone
 
 Array = npt.NDArray[np.float64]

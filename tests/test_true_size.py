@@ -16,8 +16,9 @@ import pytest
 from rendering import COARSE, FINE, RENDERERS, Window, check_true_size, chromium, deviations, dots, pdfium, require, resvg
 
 from crowquill import formats, glyphs
+from crowquill.marks import Marks
 from crowquill.paths import Paths
-from crowquill.sheet import Ink, Layer, Marks, Sheet
+from crowquill.sheet import Ink, Layer, Sheet
 from crowquill.units import PAPERS
 
 POSITION = 0.002  # mm

@@ -22,10 +22,11 @@ if TYPE_CHECKING:
     from crowquill.cells import Cells, voronoi
     from crowquill.formats import load, save, to_bytes
     from crowquill.making import redo
+    from crowquill.marks import Glyph, Marks
     from crowquill.moments import Moments
     from crowquill.paths import Paths
     from crowquill.relax import lloyd, scatter
-    from crowquill.sheet import Glyph, Ink, Layer, Marks, Sheet, Step
+    from crowquill.sheet import Ink, Layer, Sheet, Step
     from crowquill.styles import steps
     from crowquill.tone import Tone
 
@@ -36,7 +37,8 @@ _PUBLIC = {
     "moments": ("Moments",),
     "paths": ("Paths",),
     "relax": ("lloyd", "scatter"),
-    "sheet": ("Glyph", "Ink", "Layer", "Marks", "Sheet", "Step"),
+    "marks": ("Glyph", "Marks"),
+    "sheet": ("Ink", "Layer", "Sheet", "Step"),
     "styles": ("steps",),
     "tone": ("Tone",),
 }

@@ -9,9 +9,10 @@ import numpy as np
 from crowquill.glyphs import Library
 from crowquill.glyphs.scanning import Scan
 from crowquill.lettering import text
+from crowquill.marks import Marks
 from crowquill.paths import Array, Paths
 from crowquill.plots import joined
-from crowquill.sheet import Ink, Layer, Marks, Sheet
+from crowquill.sheet import Ink, Layer, Sheet
 
 PAGE = (210.0, 297.0)  # mm, A4
 MARGIN = 15.0

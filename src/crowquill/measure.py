@@ -6,8 +6,8 @@ import numpy as np
 import shapely
 
 from crowquill import raster
+from crowquill.marks import Marks
 from crowquill.paths import Array
-from crowquill.sheet import Marks
 
 LINES = 16  # across the mean mark: its area comes out within half a percent, and errors of many marks cancel
 JOINED = 3000  # marks: shapely joins so many in half a second

@@ -10,8 +10,8 @@ import numpy.typing as npt
 import shapely
 
 from crowquill.hatching import FINE, FLAT, PITCH, SHORTEST, hatched, tick
+from crowquill.marks import Marks
 from crowquill.paths import Array, Paths
-from crowquill.sheet import Marks
 
 FORMS = ("circle", "tick", "spiral", "hatch")
 TOUCH = 0.05  # of the nib: the radius of a circle so small that it is one touch, a fifth more ink than the tip alone leaves

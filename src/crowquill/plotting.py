@@ -16,9 +16,10 @@ import numpy as np
 from crowquill import hatching, knobs, plotforms, route
 from crowquill.kernel import compiled
 from crowquill.knobs import Choice, Range
+from crowquill.marks import Marks
 from crowquill.paths import Array, Index, Paths
 from crowquill.plotforms import FORMS, Strokes
-from crowquill.sheet import Ink, Layer, Marks, Sheet
+from crowquill.sheet import Ink, Layer, Sheet, outlined
 
 NIB = 0.3  # mm, the commonest technical pen
 STEP = 0.01  # mm: desktop plotters move in steps of 0.006 to 0.025, and finer nibs are not made
@@ -155,8 +156,8 @@ def _strokes(layer: Layer, nib: float, dot: str) -> Strokes:
     """All that the pen draws of a layer."""
     art = layer.art
     if layer.ink.pen is not None:
-        return plotforms.lines(art.outlines() if isinstance(art, Marks) else art)
-    return plotforms.dots(art, nib, dot) if isinstance(art, Marks) else Strokes.of(hatching.areas(art, nib))
+        return plotforms.lines(outlined(art))
+    return plotforms.dots(art, nib, dot) if isinstance(art, Marks) else Strokes.of(hatching.areas(outlined(art), nib))
 
 
 def _drawn(strokes: Strokes, longest: float | None) -> Strokes:

@@ -12,8 +12,9 @@ from itertools import pairwise
 import numpy as np
 
 from crowquill.kernel import compiled, shared_out
+from crowquill.marks import Marks
 from crowquill.paths import Array, Index, Paths
-from crowquill.sheet import Marks
+from crowquill.sheet import Art, outlined
 
 LINES = 16  # to a row of pixels: a level border errs by a 32nd of a pixel at most, a sloping one by far less
 FLAT = 1 / 200  # of a pixel: how far a chord may stray from its curve; a dot of 7 pixels loses less than a thousandth
@@ -46,7 +47,7 @@ class Raster:
     @classmethod
     def of(
         cls,
-        art: Marks | Paths,
+        art: Art,
         *,
         pixel: tuple[float, float],
         width: int,
@@ -62,10 +63,10 @@ class Raster:
         """
         flat = min(pixel) * FLAT if flat is None else flat
         if pen is not None:
-            art = stroked(_straight(art.outlines() if isinstance(art, Marks) else art, flat), pen, flat)
+            art = stroked(_straight(outlined(art), flat), pen, flat)
         if isinstance(art, Marks):
             return cls(*_of_marks(art, flat, pixel[0] * width), pixel, width, lines)
-        return cls(*_of_paths(_straight(art, flat), pixel[0] * width), pixel, width, lines)
+        return cls(*_of_paths(_straight(outlined(art), flat), pixel[0] * width), pixel, width, lines)
 
     def touches(self, top: int, bottom: int) -> bool:
         """Whether anything may lie on these rows, `bottom` not among them."""
@@ -85,7 +86,7 @@ class Raster:
 
 
 def covered(
-    art: Marks | Paths,
+    art: Art,
     grid: tuple[int, int],
     *,
     pixel: tuple[float, float],

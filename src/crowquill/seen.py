@@ -11,9 +11,10 @@ import numpy as np
 from crowquill import formats, raster
 from crowquill.formats.svg import drawn
 from crowquill.glyphs.page import tagged
+from crowquill.marks import Marks
 from crowquill.paths import Array, Paths, frozen
 from crowquill.picture import read
-from crowquill.sheet import Ink, Layer, Marks, Sheet
+from crowquill.sheet import Ink, Layer, Sheet, shifted
 from crowquill.units import INCH
 from crowquill.vector import contents
 
@@ -65,7 +66,7 @@ class Seen:
         pixel = width / grid[1], height / grid[0]
         dark = np.zeros(grid)
         for layer in self.layers:
-            art = layer.art.moved((-left, -top)) if isinstance(layer.art, Marks) else layer.art.moved(np.eye(2), (-left, -top))
+            art = shifted(layer.art, np.array([-left, -top]))
             cover = raster.covered(art, grid, pixel=pixel, pen=layer.ink.pen, lines=LINES)
             dark += cover * (darkness(layer.ink) - dark)
         return dark, pixel

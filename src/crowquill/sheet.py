@@ -1,10 +1,10 @@
-"""What lies on the paper, and how it came there: Ink, Glyph, Marks, Layer, Sheet, Step."""
+"""What lies on the paper, and how it came there: Ink, Bitmap, Layer, Sheet, Step."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from importlib import import_module
 from types import MappingProxyType
 from typing import Any
@@ -12,30 +12,41 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from crowquill.paths import Array, Index, Paths, frozen
+from crowquill.lettering import Words
+from crowquill.marks import Marks, whole
+from crowquill.paths import Array, Paths, frozen
 from crowquill.units import INCH, PAPERS, UM, paper
 
-THIN = 1e-4  # area over the square of the length: below, a shape is a hair, and its area may be rounding
+SPOT = re.compile(r"[A-Za-z0-9][A-Za-z0-9 \-_.+&()]{0,62}")  # what every press and plate file takes for a name
+PROCESS = {"all", "none", "cyan", "magenta", "yellow", "black"}
 SHOWN = 20_000  # shapes of an SVG in a notebook; more make browsers slow
-TURN_STEPS = 65536  # angles are kept to this part of a turn: 1.4e-5 mm at the rim of a 0.3 mm dot
 
 
 @dataclass(frozen=True)
 class Ink:
-    """A process colour by its share of cyan, magenta, yellow and black, each 0 to 1.
+    """An ink by its share of cyan, magenta, yellow and black, each 0 to 1.
 
-    pen: None fills; a width in mm strokes with round ends.
+    pen        None fills; a width in mm strokes with round ends
+    spot       an ink of its own, mixed by the printer under this name; cmyk is how it looks where it is not at hand
+    overprint  prints over what lies below, in place of leaving it out there
     """
 
     name: str = "black"
     cmyk: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
     pen: float | None = None
+    spot: bool = False
+    overprint: bool = False
 
     def __post_init__(self) -> None:
         if len(self.cmyk) != 4 or not all(0 <= share <= 1 for share in self.cmyk):
             raise ValueError(f"cmyk {self.cmyk} of ink {self.name!r} is not four shares from 0 to 1")
         if self.pen is not None and not 0 < self.pen < 1000:
             raise ValueError(f"pen {self.pen} mm of ink {self.name!r} is not a width; give None to fill")
+        if self.spot and (not SPOT.fullmatch(self.name) or self.name.lower() in PROCESS):
+            raise ValueError(
+                f"spot ink {self.name!r}: presses take plain letters, digits, spaces and -_.+&() in such a name, "
+                "and it may not be a process ink's; give the name of the swatch book"
+            )
 
     @property
     def rgb(self) -> tuple[int, int, int]:
@@ -46,125 +57,54 @@ class Ink:
 
 
 @dataclass(frozen=True, eq=False)
-class Glyph:
-    """The outline of a dot: one path of area 1, centroid 0 and long axis on x; `size` is its true diameter in mm."""
+class Bitmap:
+    """Black pixels of a device: bits (h, ceil(w / 8)), 1 is ink, the first pixel the highest bit; its corner (2,) mm and dpi."""
 
-    paths: Paths
-    size: float
-
-    @classmethod
-    def of(cls, outline: Paths) -> Glyph:
-        """The unit glyph of a closed outline in mm, which may wind either way.
-
-        Raises ValueError for an outline without area.
-        """
-        m = outline.green().sum(axis=0) if len(outline) == 1 and outline.closed else np.zeros(6)
-        extent = np.ptp(outline.xy, axis=0).max() if len(outline.xy) else 0.0
-        if not abs(m[0]) > THIN * extent**2:
-            raise ValueError("its shape is no dot; a glyph takes one closed outline with an area over 0")
-        x, y = m[1:3] / m[0]
-        xx, xy, yy = m[3] / m[0] - x * x, m[4] / m[0] - x * y, m[5] / m[0] - y * y
-        long = 0.5 * np.arctan2(2 * xy, xx - yy)
-        cos, sin = np.cos(long), np.sin(long)
-        centred = outline.moved(np.eye(2), -(outline[0][0] + (x, y)))
-        scale = abs(m[0]) ** -0.5
-        unit = centred.moved(scale * np.array([[cos, sin], [-sin, cos]]))
-        points = unit.xy
-        if m[0] < 0:  # the same ring the other way round; a cubic's controls trade places by it
-            points = np.roll(points[::-1], 1, axis=0)
-        return cls(Paths(points, unit.start, True, outline.cubic), float(2 * np.sqrt(abs(m[0]) / np.pi)))
-
-    @property
-    def reach(self) -> float:
-        """The greatest distance of the outline from its centroid, a thousandth of the mark's scale too large at most."""
-        return float(np.hypot(*self.paths.flat(1e-3).xy.T).max()) + 1e-3
-
-
-@dataclass(frozen=True, eq=False)
-class Marks:
-    """Many placed glyphs: xy (n, 2) mm, angle (n,) rad, scale (n,) mm, glyph (n,) index into `glyphs`.
-
-    A closed mark's own area is scale**2 mm^2.
-    """
-
-    xy: Array
-    angle: Array
-    scale: Array
-    glyph: Index
-    glyphs: tuple[Glyph, ...]
+    bits: npt.NDArray[np.uint8]
+    width: int
+    dpi: float
+    corner: Array
 
     def __post_init__(self) -> None:
-        n = len(self.xy)
-        for name, dtype, shape in (
-            ("xy", np.float64, (n, 2)),
-            ("angle", np.float64, (n,)),
-            ("scale", np.float64, (n,)),
-            ("glyph", np.int64, (n,)),
-        ):
-            object.__setattr__(self, name, frozen(getattr(self, name), dtype, shape, name))
-        if n and not 0 <= self.glyph.min() <= self.glyph.max() < len(self.glyphs):
-            raise ValueError(f"glyph has an index outside 0 to {len(self.glyphs) - 1}")
-        if n and self.scale.min() < 0:
-            raise ValueError(f"scale {self.scale.min()} mm is negative")
+        if self.width < 1 or not 0 < self.dpi < np.inf:
+            raise ValueError(f"a bitmap {self.width} pixels wide at {self.dpi} dpi has no size; give at least one pixel")
+        bits = frozen(self.bits, np.uint8, (None, -(-self.width // 8)), "bits")
+        if self.width % 8 and len(bits) and (bits[:, -1] & (0xFF >> self.width % 8)).any():
+            raise ValueError("bits has ink beyond its width")
+        object.__setattr__(self, "bits", bits)
+        object.__setattr__(self, "corner", frozen(self.corner, np.float64, (2,), "corner"))
 
     @classmethod
-    def of(
-        cls,
-        xy: npt.ArrayLike,
-        glyphs: tuple[Glyph, ...],
-        *,
-        scale: npt.ArrayLike,
-        angle: npt.ArrayLike = 0.0,
-        glyph: npt.ArrayLike = 0,
-    ) -> Marks:
-        """Marks at xy (n, 2); scale, angle and glyph are one value for all or (n,)."""
-        points = np.asarray(xy, np.float64).reshape(-1, 2)
-        n = len(points)
-        return cls(
-            points,
-            np.broadcast_to(np.asarray(angle, np.float64), n),
-            np.broadcast_to(np.asarray(scale, np.float64), n),
-            np.broadcast_to(np.asarray(glyph, np.int64), n),
-            tuple(glyphs),
-        )
+    def of(cls, black: npt.ArrayLike, dpi: float, corner: npt.ArrayLike = (0.0, 0.0)) -> Bitmap:
+        """The bitmap of pixels (h, w), true for ink."""
+        pixels = np.asarray(black, bool)
+        if pixels.ndim != 2 or not pixels.size:
+            raise ValueError(f"black has shape {pixels.shape}; it takes rows by columns, at least one of each")
+        return cls(np.packbits(pixels, axis=1), pixels.shape[1], float(dpi), np.asarray(corner, np.float64))
 
     def __len__(self) -> int:
-        return len(self.xy)
+        """The number of black pixels."""
+        return int(np.bitwise_count(self.bits).sum(dtype=np.int64))
 
-    def take(self, which: Index | npt.NDArray[np.bool_] | slice) -> Marks:
-        """The marks at these indices, this mask or slice."""
-        return Marks(self.xy[which], self.angle[which], self.scale[which], self.glyph[which], self.glyphs)
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height in mm."""
+        return self.width * INCH / self.dpi, len(self.bits) * INCH / self.dpi
 
-    def moved(self, offset: npt.ArrayLike) -> Marks:
-        """All marks moved by offset (2,) mm."""
-        return replace(self, xy=self.xy + np.asarray(offset, np.float64))
+    def rows(self, top: int, bottom: int) -> npt.NDArray[np.bool_]:
+        """Black pixels (bottom - top, width) of these rows."""
+        return np.unpackbits(self.bits[top:bottom], axis=1, count=self.width).astype(bool)
 
-    def snapped(self) -> Marks:
-        """Places and scales in whole micrometres, angles in whole steps: what a file can keep."""
-        step = 2 * np.pi / TURN_STEPS
-        turns = np.round(self.angle / step) % TURN_STEPS
-        return replace(self, xy=_whole(self.xy), scale=_whole(self.scale), angle=turns * step)
+    def moved(self, offset: npt.ArrayLike) -> Bitmap:
+        """The bitmap moved by offset (2,) mm."""
+        return replace(self, corner=self.corner + np.asarray(offset, np.float64))
 
-    def outlines(self) -> Paths:
-        """Every mark's outline at its place, in the order of the marks. Straight and cubic glyphs may not be mixed."""
-        if not len(self):
-            return Paths.of([])
-        shapes = self._shapes
-        counts = np.diff(shapes.start)[self.glyph]
-        start = np.concatenate([[0], np.cumsum(counts)])
-        x, y = shapes.xy[np.repeat(shapes.start[self.glyph] - start[:-1], counts) + np.arange(start[-1])].T
-        cos, sin = np.repeat(self.scale * np.cos(self.angle), counts), np.repeat(self.scale * np.sin(self.angle), counts)
-        xy = np.stack([cos * x - sin * y, sin * x + cos * y], axis=1) + np.repeat(self.xy, counts, axis=0)
-        return Paths(xy, start, shapes.closed, shapes.cubic)
+    def snapped(self) -> Bitmap:
+        """Its corner in whole micrometres."""
+        return replace(self, corner=whole(self.corner))
 
-    @cached_property
-    def _shapes(self) -> Paths:
-        """All glyphs' outlines as one Paths."""
-        kinds = {(glyph.paths.closed, glyph.paths.cubic) for glyph in self.glyphs}
-        if len(kinds) > 1:
-            raise ValueError("marks mix straight and cubic, or closed and open glyphs; make a layer of each")
-        closed, cubic = kinds.pop()
-        return Paths.of([glyph.paths.xy for glyph in self.glyphs], closed=closed, cubic=cubic)
+
+Art = Marks | Paths | Words | Bitmap
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +115,7 @@ class Layer:
     """
 
     ink: Ink
-    art: Marks | Paths
+    art: Art
     name: str = ""
 
     @property
@@ -228,8 +168,8 @@ class Sheet:
         size = turned(page, self.size, orientation)
         (width, height) = self.size
         check_fit(self.size, size, margin)
-        offset = _whole(np.array([(size[0] - width) / 2, (size[1] - height) / 2]))
-        layers = tuple(replace(layer, art=_shifted(layer.art, offset)) for layer in self.layers)
+        offset = whole(np.array([(size[0] - width) / 2, (size[1] - height) / 2]))
+        layers = tuple(replace(layer, art=shifted(layer.art, offset)) for layer in self.layers)
         recipe = {**self.recipe, "paper_mm": list(size), "art_mm": [width, height], "art_at_mm": offset.tolist()}
         return Sheet(size, layers, recipe, self.report, self.attached)
 
@@ -291,14 +231,17 @@ def check_fit(art: tuple[float, float], size: tuple[float, float], margin: float
         )
 
 
-def _whole(values: Array) -> Array:
-    """Millimetres to the nearest whole micrometre: the float nearest to that decimal."""
-    return np.round(values, 3)
+def outlined(art: Art) -> Paths:
+    """The outlines of art as paths. Raises ValueError for a bitmap, which has none."""
+    if isinstance(art, Bitmap):
+        raise ValueError("pixels of a device have no outlines; draw them as polygons or as dots")
+    return art if isinstance(art, Paths) else art.outlines()
 
 
-def _snapped(art: Marks | Paths) -> Marks | Paths:
-    return art.snapped() if isinstance(art, Marks) else replace(art, xy=_whole(art.xy))
+def shifted(art: Art, offset: Array) -> Art:
+    """The art moved by offset (2,) mm."""
+    return art.moved(np.eye(2), offset) if isinstance(art, Paths) else art.moved(offset)
 
 
-def _shifted(art: Marks | Paths, offset: Array) -> Marks | Paths:
-    return art.moved(offset) if isinstance(art, Marks) else art.moved(np.eye(2), offset)
+def _snapped(art: Art) -> Art:
+    return replace(art, xy=whole(art.xy)) if isinstance(art, Paths) else art.snapped()

@@ -11,8 +11,8 @@ import shapely
 
 from crowquill import moments, quadrature, spectrum
 from crowquill.cells import Cells, voronoi
+from crowquill.marks import Marks
 from crowquill.paths import Array, Index, frozen
-from crowquill.sheet import Marks
 from crowquill.tone import Tone
 
 HEXAGONAL = 2 / np.sqrt(3)  # the square of the distance of a hexagonal lattice's points, in areas of its cells

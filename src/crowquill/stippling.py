@@ -13,8 +13,9 @@ import numpy.typing as npt
 import shapely
 
 from crowquill import relax
+from crowquill.marks import Glyph, Marks
 from crowquill.paths import Array
-from crowquill.sheet import Glyph, Marks, Step
+from crowquill.sheet import Step
 from crowquill.tone import Tone
 
 PEN = 0.3  # mm, the commonest technical pen

@@ -10,8 +10,9 @@ import typer
 
 from crowquill import formats
 from crowquill.commands import note, say
+from crowquill.marks import Marks
 from crowquill.paths import Array, Paths
-from crowquill.sheet import Ink, Layer, Marks, Sheet
+from crowquill.sheet import Ink, Layer, Sheet
 
 UP = Ink("pen up", (0.0, 0.85, 0.9, 0.0), 0.1)
 HOME = (0.05, 0.05)  # mm: the corner, where the pen begins, so far in that half of the red line is not cut off
@@ -47,7 +48,7 @@ def preview(sheet: Sheet) -> tuple[Sheet, int, float]:
     at: Array = np.array(HOME)
     moves, strokes = [], 0
     for layer in sheet.layers:
-        if isinstance(layer.art, Marks) or not len(layer.art):
+        if not isinstance(layer.art, Paths) or not len(layer.art):
             continue
         for path in layer.art:
             moves.append([at, path[0]])

@@ -23,8 +23,8 @@ from fontTools.misc.psCharStrings import T2CharString
 from crowquill import hilbert
 from crowquill.formats._text import WIDEST, Bytes, _number, number
 from crowquill.kernel import compiled
+from crowquill.marks import TURN_STEPS, Glyph, Marks
 from crowquill.paths import Array, Index, Paths
-from crowquill.sheet import TURN_STEPS, Glyph, Marks
 
 SLIP = 0.003  # mm that an outline may lie off because its turn is rounded: a hundredth of a dot of 0.3 mm
 EM = 1000  # units to a font's size, as readers take for granted: at size 1000 a unit is a micrometre

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from crowquill.paths import Array, Index, Paths
-from crowquill.sheet import Layer, Marks, Sheet
+from crowquill.sheet import Layer, Sheet, outlined
 
 LONGEST = 40  # characters of a name: GRBL takes lines of 80
 Place = Callable[[Array], Array]  # from mm of the sheet, y down, to mm of the machine
@@ -83,7 +83,7 @@ def plain(text: str) -> str:
 
 def _lines(layer: Layer, size: tuple[float, float], tolerance: float) -> Paths:
     """The layer's strokes as open straight lines on the page."""
-    paths = (layer.art.outlines() if isinstance(layer.art, Marks) else layer.art).flat(tolerance)
+    paths = outlined(layer.art).flat(tolerance)
     if paths.closed:
         filled = np.diff(paths.start) > 0
         begin, end = paths.start[:-1][filled], paths.start[1:][filled]

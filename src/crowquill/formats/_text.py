@@ -10,8 +10,9 @@ import numpy.typing as npt
 
 from crowquill import hilbert
 from crowquill.kernel import compiled
+from crowquill.marks import Marks
 from crowquill.paths import Index, Paths
-from crowquill.sheet import Marks
+from crowquill.sheet import Art, outlined
 
 Bytes = npt.NDArray[np.uint8]
 POINTS = 220_000  # to an element: some 15 000 dots; more pass 2 MB of SVG, and Ghostscript's time grows with the square
@@ -23,7 +24,7 @@ def micrometres(paths: Paths) -> Index:
     return np.round(paths.xy * 1000).astype(np.int64)
 
 
-def chunks(art: Marks | Paths) -> Iterator[Paths]:
+def chunks(art: Art) -> Iterator[Paths]:
     """The outlines of a layer's art in few elements, each of a size that editors and readers bear.
 
     Marks are gathered by place, paths in their order. A renderer smooths each element by itself, so that
@@ -31,6 +32,7 @@ def chunks(art: Marks | Paths) -> Iterator[Paths]:
     borders were tried, and showed more.
     """
     if not isinstance(art, Marks):
+        art = outlined(art)
         heads = np.searchsorted(art.start, np.arange(0, len(art.xy), POINTS), side="left")
         bounds = np.unique([*heads, len(art)])
         for lo, hi in pairwise(bounds):

@@ -22,8 +22,10 @@ import svgwrite.path
 
 from crowquill.formats._text import apart, chunks, number, svg_path
 from crowquill.knobs import Flag
+from crowquill.lettering import FACES, Words
+from crowquill.marks import TURN_STEPS, Glyph, Marks
 from crowquill.paths import Array, Paths
-from crowquill.sheet import TURN_STEPS, Glyph, Ink, Layer, Marks, Sheet
+from crowquill.sheet import Art, Ink, Layer, Sheet, outlined
 from crowquill.vector import PX, elements, local, shapes
 
 KEEPS_FILES = True  # attached to a sheet
@@ -185,7 +187,8 @@ def _packed(sheet: Sheet) -> tuple[dict[str, Any], bytes]:
     parts: list[bytes] = []
     layers = []
     for layer in sheet.layers:
-        ink = {"name": layer.ink.name, "cmyk": list(layer.ink.cmyk), "pen": layer.ink.pen}
+        ink: dict[str, Any] = {"name": layer.ink.name, "cmyk": list(layer.ink.cmyk), "pen": layer.ink.pen}
+        ink |= {key: True for key in ("spot", "overprint") if getattr(layer.ink, key)}
         entry: dict[str, Any] = {"name": layer.name, "ink": ink}
         art = layer.art
         if isinstance(art, Marks):
@@ -195,7 +198,10 @@ def _packed(sheet: Sheet) -> tuple[dict[str, Any], bytes]:
                 parts.append(_column(np.diff(column, prepend=0)))
             parts.append(_column(turns))
             parts += [glyph.paths.xy.astype("<f8").tobytes() for glyph in art.glyphs]
+        elif isinstance(art, Words) and art.font in FACES:
+            entry |= {"words": list(art.text), "font": art.font, "at_mm": art.xy.tolist(), "high_mm": art.size.tolist()}
         else:
+            art = outlined(art)
             entry |= {"paths": len(art), "points": len(art.xy), "closed": art.closed, "cubic": art.cubic}
             for column in (*np.round(art.xy * 1000).T, art.start):
                 parts.append(_column(np.diff(column, prepend=0)))
@@ -232,7 +238,7 @@ def _unpacked(about: dict[str, Any], table: bytes) -> Sheet:
 
     layers = []
     for entry in about["layers"]:
-        art: Marks | Paths
+        art: Art
         if "marks" in entry:
             n = entry["marks"]
             x, y, scale, glyph = (np.cumsum(column(n)) for _ in range(4))
@@ -243,12 +249,15 @@ def _unpacked(about: dict[str, Any], table: bytes) -> Sheet:
             )
             places: Array = np.stack([x, y], axis=1) / 1000
             art = Marks(places, (turns * (2 * np.pi / TURN_STEPS)).astype(np.float64), scale / 1000.0, glyph, glyphs)
+        elif "words" in entry:
+            art = Words(tuple(map(str, entry["words"])), np.array(entry["at_mm"]).reshape(-1, 2), np.array(entry["high_mm"]), entry["font"])
         else:
             x, y = (np.cumsum(column(entry["points"])) for _ in range(2))
             start = np.cumsum(column(entry["paths"] + 1))
             art = Paths(np.stack([x, y], axis=1) / 1000, start, entry["closed"], entry["cubic"])
         ink = entry["ink"]
-        layers.append(Layer(Ink(ink["name"], tuple(ink["cmyk"]), ink["pen"]), art, entry["name"]))
+        made = Ink(ink["name"], tuple(ink["cmyk"]), ink["pen"], bool(ink.get("spot", False)), bool(ink.get("overprint", False)))
+        layers.append(Layer(made, art, entry["name"]))
     return Sheet(tuple(about["size_mm"]), tuple(layers), about["recipe"], {"warnings": []})
 
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from crowquill.marks import Glyph
 from crowquill.paths import Array, frozen
-from crowquill.sheet import Glyph
 from crowquill.vector import contents, elements, local, shapes
 
 FOLDER = Path(__file__).parent

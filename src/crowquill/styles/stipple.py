@@ -19,8 +19,9 @@ from crowquill import hilbert, measure, moments, relax
 from crowquill.delaunay import triangulated
 from crowquill.kernel import compiled
 from crowquill.knobs import Choice, Numbers, Range, Text
+from crowquill.marks import Marks
 from crowquill.paths import Array, Index
-from crowquill.sheet import Ink, Layer, Marks, Sheet, Step
+from crowquill.sheet import Ink, Layer, Sheet, Step
 from crowquill.stippling import NOMINAL, Clock, Plan, allowed, apart, dotted, expected_seconds, found, planned, settled, snapped, together
 from crowquill.styles import Work
 from crowquill.tone import Tone

@@ -1,0 +1,141 @@
+"""Glyphs and Marks: dots, and where they lie."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from crowquill.paths import Array, Index, Paths, frozen
+
+THIN = 1e-4  # area over the square of the length: below, a shape is a hair, and its area may be rounding
+TURN_STEPS = 65536  # angles are kept to this part of a turn: 1.4e-5 mm at the rim of a 0.3 mm dot
+
+
+@dataclass(frozen=True, eq=False)
+class Glyph:
+    """The outline of a dot: one path of area 1, centroid 0 and long axis on x; `size` is its true diameter in mm."""
+
+    paths: Paths
+    size: float
+
+    @classmethod
+    def of(cls, outline: Paths) -> Glyph:
+        """The unit glyph of a closed outline in mm, which may wind either way.
+
+        Raises ValueError for an outline without area.
+        """
+        m = outline.green().sum(axis=0) if len(outline) == 1 and outline.closed else np.zeros(6)
+        extent = np.ptp(outline.xy, axis=0).max() if len(outline.xy) else 0.0
+        if not abs(m[0]) > THIN * extent**2:
+            raise ValueError("its shape is no dot; a glyph takes one closed outline with an area over 0")
+        x, y = m[1:3] / m[0]
+        xx, xy, yy = m[3] / m[0] - x * x, m[4] / m[0] - x * y, m[5] / m[0] - y * y
+        long = 0.5 * np.arctan2(2 * xy, xx - yy)
+        cos, sin = np.cos(long), np.sin(long)
+        centred = outline.moved(np.eye(2), -(outline[0][0] + (x, y)))
+        scale = abs(m[0]) ** -0.5
+        unit = centred.moved(scale * np.array([[cos, sin], [-sin, cos]]))
+        points = unit.xy
+        if m[0] < 0:  # the same ring the other way round; a cubic's controls trade places by it
+            points = np.roll(points[::-1], 1, axis=0)
+        return cls(Paths(points, unit.start, True, outline.cubic), float(2 * np.sqrt(abs(m[0]) / np.pi)))
+
+    @property
+    def reach(self) -> float:
+        """The greatest distance of the outline from its centroid, a thousandth of the mark's scale too large at most."""
+        return float(np.hypot(*self.paths.flat(1e-3).xy.T).max()) + 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Marks:
+    """Many placed glyphs: xy (n, 2) mm, angle (n,) rad, scale (n,) mm, glyph (n,) index into `glyphs`.
+
+    A closed mark's own area is scale**2 mm^2.
+    """
+
+    xy: Array
+    angle: Array
+    scale: Array
+    glyph: Index
+    glyphs: tuple[Glyph, ...]
+
+    def __post_init__(self) -> None:
+        n = len(self.xy)
+        for name, dtype, shape in (
+            ("xy", np.float64, (n, 2)),
+            ("angle", np.float64, (n,)),
+            ("scale", np.float64, (n,)),
+            ("glyph", np.int64, (n,)),
+        ):
+            object.__setattr__(self, name, frozen(getattr(self, name), dtype, shape, name))
+        if n and not 0 <= self.glyph.min() <= self.glyph.max() < len(self.glyphs):
+            raise ValueError(f"glyph has an index outside 0 to {len(self.glyphs) - 1}")
+        if n and self.scale.min() < 0:
+            raise ValueError(f"scale {self.scale.min()} mm is negative")
+
+    @classmethod
+    def of(
+        cls,
+        xy: npt.ArrayLike,
+        glyphs: tuple[Glyph, ...],
+        *,
+        scale: npt.ArrayLike,
+        angle: npt.ArrayLike = 0.0,
+        glyph: npt.ArrayLike = 0,
+    ) -> Marks:
+        """Marks at xy (n, 2); scale, angle and glyph are one value for all or (n,)."""
+        points = np.asarray(xy, np.float64).reshape(-1, 2)
+        n = len(points)
+        return cls(
+            points,
+            np.broadcast_to(np.asarray(angle, np.float64), n),
+            np.broadcast_to(np.asarray(scale, np.float64), n),
+            np.broadcast_to(np.asarray(glyph, np.int64), n),
+            tuple(glyphs),
+        )
+
+    def __len__(self) -> int:
+        return len(self.xy)
+
+    def take(self, which: Index | npt.NDArray[np.bool_] | slice) -> Marks:
+        """The marks at these indices, this mask or slice."""
+        return Marks(self.xy[which], self.angle[which], self.scale[which], self.glyph[which], self.glyphs)
+
+    def moved(self, offset: npt.ArrayLike) -> Marks:
+        """All marks moved by offset (2,) mm."""
+        return replace(self, xy=self.xy + np.asarray(offset, np.float64))
+
+    def snapped(self) -> Marks:
+        """Places and scales in whole micrometres, angles in whole steps: what a file can keep."""
+        step = 2 * np.pi / TURN_STEPS
+        turns = np.round(self.angle / step) % TURN_STEPS
+        return replace(self, xy=whole(self.xy), scale=whole(self.scale), angle=turns * step)
+
+    def outlines(self) -> Paths:
+        """Every mark's outline at its place, in the order of the marks. Straight and cubic glyphs may not be mixed."""
+        if not len(self):
+            return Paths.of([])
+        shapes = self._shapes
+        counts = np.diff(shapes.start)[self.glyph]
+        start = np.concatenate([[0], np.cumsum(counts)])
+        x, y = shapes.xy[np.repeat(shapes.start[self.glyph] - start[:-1], counts) + np.arange(start[-1])].T
+        cos, sin = np.repeat(self.scale * np.cos(self.angle), counts), np.repeat(self.scale * np.sin(self.angle), counts)
+        xy = np.stack([cos * x - sin * y, sin * x + cos * y], axis=1) + np.repeat(self.xy, counts, axis=0)
+        return Paths(xy, start, shapes.closed, shapes.cubic)
+
+    @cached_property
+    def _shapes(self) -> Paths:
+        """All glyphs' outlines as one Paths."""
+        kinds = {(glyph.paths.closed, glyph.paths.cubic) for glyph in self.glyphs}
+        if len(kinds) > 1:
+            raise ValueError("marks mix straight and cubic, or closed and open glyphs; make a layer of each")
+        closed, cubic = kinds.pop()
+        return Paths.of([glyph.paths.xy for glyph in self.glyphs], closed=closed, cubic=cubic)
+
+
+def whole(values: Array) -> Array:
+    """Millimetres to the nearest whole micrometre: the float nearest to that decimal."""
+    return np.round(values, 3)
