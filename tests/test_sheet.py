@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from crowquill.marks import TURN_STEPS, Glyph, Marks
 from crowquill.paths import Paths
-from crowquill.sheet import Bitmap, Ink, Layer, Sheet, outlined
+from crowquill.sheet import Ink, Layer, Sheet
 
 Array = npt.NDArray[np.float64]
 EGG = np.array([(2, 0), (2, 1.1), (0.9, 1.4), (0, 1.2), (-1, 1), (-1.5, 0.8), (-1.6, 0), (-1.7, -0.9), (0.5, -1.3)])  # three cubics
@@ -275,34 +275,3 @@ def test_a_drawing_fits_to_the_margin_and_not_a_micrometre_more() -> None:
 def test_a_margin_that_would_lay_ink_beside_the_paper_is_refused(margin: float) -> None:
     with pytest.raises(ValueError, match="margin"):
         Sheet((150, 212)).on("a5", margin=margin)
-
-
-@pytest.mark.parametrize("name", ["a/b", "Schönblau", "", "Black", "all", "x" * 64, "tab\t"])
-def test_a_spot_ink_has_a_name_that_every_press_takes(name):
-    with pytest.raises(ValueError, match="spot ink"):
-        Ink(name, (0, 0.5, 1, 0), spot=True)
-    assert Ink("PANTONE 124 C", (0, 0.3, 0.9, 0), spot=True).spot
-
-
-def test_a_bitmap_gives_back_its_pixels_and_its_size():
-    black = np.random.default_rng(1).random((5, 13)) < 0.5
-    bitmap = Bitmap.of(black, 254, (1, 2))
-    assert (bitmap.rows(0, 5) == black).all()
-    assert (bitmap.rows(2, 4) == black[2:4]).all()
-    assert len(bitmap) == black.sum()
-    assert np.allclose(bitmap.size, (1.3, 0.5), atol=1e-12)  # mm: pixels of 0.1
-    assert bitmap.moved((1, 1)).corner.tolist() == [2, 3]
-
-
-def test_a_bitmap_with_ink_beside_its_pixels_is_refused():
-    with pytest.raises(ValueError, match="beyond its width"):
-        Bitmap(np.full((1, 1), 255, np.uint8), 5, 300, np.zeros(2))
-    with pytest.raises(ValueError, match="no size"):
-        Bitmap(np.zeros((1, 1), np.uint8), 5, 0, np.zeros(2))
-    with pytest.raises(ValueError, match="rows by columns"):
-        Bitmap.of(np.zeros((0, 4), bool), 300)
-
-
-def test_pixels_have_no_outlines():
-    with pytest.raises(ValueError, match="no outlines"):
-        outlined(Bitmap.of([[True]], 300))

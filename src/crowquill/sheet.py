@@ -50,9 +50,8 @@ class Ink:
 
     @property
     def rgb(self) -> tuple[int, int, int]:
-        """The ink on a screen, red, green and blue of 0 to 255: each colour takes its share of the light away."""
-        cyan, magenta, yellow, black = self.cmyk
-        red, green, blue = (round(255 * (1 - share) * (1 - black)) for share in (cyan, magenta, yellow))
+        """The ink on a screen, red, green and blue of 0 to 255."""
+        red, green, blue = on_screen(np.array([self.cmyk]))[0].tolist()
         return red, green, blue
 
 
@@ -111,12 +110,24 @@ Art = Marks | Paths | Words | Bitmap
 class Layer:
     """Art in one ink; `name` is shown in editors and is the ink's when empty.
 
-    Filled art follows the nonzero rule: holes turn the other way.
+    Filled art follows the nonzero rule: holes turn the other way. `fill` (n, 4), where given, colours each ring of filled
+    Paths by itself, in shares of cyan, magenta, yellow and black; rings are then shapes of their own, the later over the earlier.
     """
 
     ink: Ink
     art: Art
     name: str = ""
+    fill: Array | None = None
+
+    def __post_init__(self) -> None:
+        if self.fill is None:
+            return
+        if not isinstance(self.art, Paths) or not self.art.closed or self.ink.pen is not None:
+            raise ValueError("fill colours closed paths that are filled; leave it out for marks and strokes")
+        fill = frozen(np.round(self.fill, 4), np.float64, (len(self.art), 4), "fill")
+        if fill.size and not 0 <= fill.min() <= fill.max() <= 1:
+            raise ValueError(f"fill has shares from {fill.min():g} to {fill.max():g}; it takes 0 to 1")
+        object.__setattr__(self, "fill", fill)
 
     @property
     def label(self) -> str:
@@ -229,6 +240,21 @@ def check_fit(art: tuple[float, float], size: tuple[float, float], margin: float
             f"a drawing of {art[0]:.6g} x {art[1]:.6g} mm does not fit a paper of {size[0]:g} x {size[1]:g} mm "
             f"with a margin of {margin:g} mm; make it smaller, or the paper larger"
         )
+
+
+def on_screen(cmyk: Array) -> npt.NDArray[np.uint8]:
+    """Shares of cyan, magenta, yellow and black (n, 4) as red, green and blue (n, 3) of 0 to 255: each takes its share of the light."""
+    return np.round(255 * (1 - cmyk[:, :3]) * (1 - cmyk[:, 3:])).astype(np.uint8)
+
+
+def in_process(rgb: npt.ArrayLike) -> Array:
+    """Red, green and blue (n, 3), 0 to 255, as shares (n, 4) of cyan, magenta, yellow and black, of which on_screen() makes them again.
+
+    Black takes what the three share, so that greys are black ink alone.
+    """
+    light = np.asarray(rgb, np.float64) / 255
+    most = light.max(axis=1, keepdims=True)
+    return np.concatenate([1 - light / np.where(most > 0, most, 1), 1 - most], axis=1) * np.where(most > 0, 1, (0, 0, 0, 1))
 
 
 def outlined(art: Art) -> Paths:

@@ -7,29 +7,27 @@ import hashlib
 import json
 import re
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import groupby
+from itertools import groupby, pairwise
 from typing import Annotated, Any, BinaryIO
 from xml.etree import ElementTree
 
 import numpy as np
-import numpy.typing as npt
 import svgwrite
 import svgwrite.container
 import svgwrite.extensions
 import svgwrite.path
 
+from crowquill.formats._table import SCHEMA, packed, unpacked
 from crowquill.formats._text import apart, chunks, number, svg_path
 from crowquill.knobs import Flag
-from crowquill.lettering import FACES, Words
-from crowquill.marks import TURN_STEPS, Glyph, Marks
-from crowquill.paths import Array, Paths
-from crowquill.sheet import Art, Ink, Layer, Sheet, outlined
+from crowquill.marks import Marks
+from crowquill.paths import Paths
+from crowquill.sheet import Ink, Layer, Sheet, on_screen, outlined
 from crowquill.vector import PX, elements, local, shapes
 
 KEEPS_FILES = True  # attached to a sheet
-SCHEMA = 1  # of the metadata; a reader refuses a newer one
 SPACE = "urn:crowquill:drawing"
 SVG = "http://www.w3.org/2000/svg"
 LARGEST = 2**31  # bytes of table unpacked; fifty million dots
@@ -57,12 +55,12 @@ def write(
     for rank, layer in enumerate(sheet.layers, 1):
         group = inkscape.layer(label=_sayable(layer.label), id=f"layer{rank}", **_paint(layer.ink))
         scaled = svgwrite.container.Group(transform="scale(.001)", debug=False)
-        for paths in apart(layer.art) if separate and isinstance(layer.art, Marks) else chunks(layer.art):
-            scaled.add(svgwrite.path.Path(d=svg_path(paths), debug=False))
+        for paths, colour in _coloured(layer, separate):
+            scaled.add(svgwrite.path.Path(d=svg_path(paths), debug=False, **colour))
         group.add(scaled)
         drawing.add(group)
     root = drawing.get_xml()
-    about, table = _packed(sheet)
+    about, table = packed(sheet)
     about["drawn"] = _digest(root)
     root.insert(0, _metadata(about, table, sheet.attached))
     ElementTree.ElementTree(root).write(file, encoding="utf-8", xml_declaration=True)
@@ -84,7 +82,7 @@ def read(data: bytes, name: str) -> Sheet:
             warning = f"{name} was edited since it was made: its geometry was read, and its dots are outlines, not marks"
             return replace(drawn(data, name), recipe=about["recipe"], report={"warnings": [warning]}, attached=kept)
         text = "".join(piece.text or "" for piece in root.iter(f"{{{SPACE}}}marks"))
-        return replace(_unpacked(about, zlib.decompressobj().decompress(base64.b64decode(text), LARGEST)), attached=kept)
+        return replace(unpacked(about, zlib.decompressobj().decompress(base64.b64decode(text), LARGEST)), attached=kept)
     except (LookupError, TypeError, ValueError, AttributeError, zlib.error, RecursionError, OverflowError) as error:
         if str(error).startswith(f"{name}: "):
             raise
@@ -137,7 +135,7 @@ def _sayable(text: str) -> str:
 
 def _paint(ink: Ink) -> dict[str, str]:
     """Fill or stroke attributes of a layer."""
-    colour = "#" + "".join(f"{code:02x}" for code in ink.rgb)
+    colour = _hexadecimal(ink.rgb)
     if ink.pen is None:
         return {"fill": colour, "stroke": "none"}
     return {
@@ -147,6 +145,23 @@ def _paint(ink: Ink) -> dict[str, str]:
         "stroke-linecap": "round",
         "stroke-linejoin": "round",
     }
+
+
+def _coloured(layer: Layer, separate: bool) -> Iterator[tuple[Paths, dict[str, str]]]:
+    """The outlines of a layer's elements, and the colour of those that have one of their own: runs of rings of the same."""
+    if layer.fill is None:
+        every = apart(layer.art) if separate and isinstance(layer.art, Marks) else chunks(layer.art)
+        yield from ((paths, {}) for paths in every)
+        return
+    art, codes = outlined(layer.art), on_screen(layer.fill)
+    bounds = [0, *(np.flatnonzero((codes[1:] != codes[:-1]).any(axis=1)) + 1).tolist(), len(art)]
+    for lo, hi in pairwise(bounds):
+        for paths in chunks(art.take(np.arange(lo, hi))):
+            yield paths, {"fill": _hexadecimal(codes[lo].tolist())}
+
+
+def _hexadecimal(codes: Sequence[int]) -> str:
+    return "#" + "".join(f"{code:02x}" for code in codes)
 
 
 def _metadata(about: dict[str, Any], table: bytes, attached: Mapping[str, bytes]) -> ElementTree.Element:
@@ -180,85 +195,6 @@ def _digest(root: ElementTree.Element) -> str:
 
     walk(root, 0)
     return total.hexdigest()
-
-
-def _packed(sheet: Sheet) -> tuple[dict[str, Any], bytes]:
-    """What is said of the sheet, and its numbers in one run of bytes."""
-    parts: list[bytes] = []
-    layers = []
-    for layer in sheet.layers:
-        ink: dict[str, Any] = {"name": layer.ink.name, "cmyk": list(layer.ink.cmyk), "pen": layer.ink.pen}
-        ink |= {key: True for key in ("spot", "overprint") if getattr(layer.ink, key)}
-        entry: dict[str, Any] = {"name": layer.name, "ink": ink}
-        art = layer.art
-        if isinstance(art, Marks):
-            entry |= {"marks": len(art), "glyphs": [_glyph(glyph) for glyph in art.glyphs]}
-            turns = np.round(art.angle * (TURN_STEPS / (2 * np.pi)))
-            for column in (*np.round(art.xy * 1000).T, np.round(art.scale * 1000), art.glyph):
-                parts.append(_column(np.diff(column, prepend=0)))
-            parts.append(_column(turns))
-            parts += [glyph.paths.xy.astype("<f8").tobytes() for glyph in art.glyphs]
-        elif isinstance(art, Words) and art.font in FACES:
-            entry |= {"words": list(art.text), "font": art.font, "at_mm": art.xy.tolist(), "high_mm": art.size.tolist()}
-        else:
-            art = outlined(art)
-            entry |= {"paths": len(art), "points": len(art.xy), "closed": art.closed, "cubic": art.cubic}
-            for column in (*np.round(art.xy * 1000).T, art.start):
-                parts.append(_column(np.diff(column, prepend=0)))
-        layers.append(entry)
-    about = {"schema": SCHEMA, "size_mm": list(sheet.size), "layers": layers, "recipe": dict(sheet.recipe)}
-    return about, b"".join(parts)
-
-
-def _glyph(glyph: Glyph) -> dict[str, Any]:
-    return {"size_mm": glyph.size, "points": len(glyph.paths.xy), "closed": glyph.paths.closed, "cubic": glyph.paths.cubic}
-
-
-def _column(values: npt.ArrayLike) -> bytes:
-    """Whole numbers as 8 planes of bytes, lowest first; signs folded in, so that the high planes are zeros and deflate to nothing."""
-    whole = np.asarray(values).astype("<i8")
-    folded = ((whole << 1) ^ (whole >> 63)).astype("<u8")
-    return np.ascontiguousarray(folded.view(np.uint8).reshape(-1, 8).T).tobytes()
-
-
-def _unpacked(about: dict[str, Any], table: bytes) -> Sheet:
-    at = 0
-
-    def take(size: int) -> bytes:
-        nonlocal at
-        if at + size > len(table):
-            raise IndexError("it is cut short")
-        at += size
-        return table[at - size : at]
-
-    def column(n: int) -> npt.NDArray[np.int64]:
-        planes = np.frombuffer(take(8 * n), np.uint8).reshape(8, n)
-        folded = np.ascontiguousarray(planes.T).view("<u8").reshape(n)
-        return (folded >> np.uint64(1)).astype(np.int64) ^ -(folded & np.uint64(1)).astype(np.int64)
-
-    layers = []
-    for entry in about["layers"]:
-        art: Art
-        if "marks" in entry:
-            n = entry["marks"]
-            x, y, scale, glyph = (np.cumsum(column(n)) for _ in range(4))
-            turns = column(n)
-            glyphs = tuple(
-                Glyph(Paths.of([np.frombuffer(take(16 * g["points"]), "<f8")], closed=g["closed"], cubic=g["cubic"]), g["size_mm"])
-                for g in entry["glyphs"]
-            )
-            places: Array = np.stack([x, y], axis=1) / 1000
-            art = Marks(places, (turns * (2 * np.pi / TURN_STEPS)).astype(np.float64), scale / 1000.0, glyph, glyphs)
-        elif "words" in entry:
-            art = Words(tuple(map(str, entry["words"])), np.array(entry["at_mm"]).reshape(-1, 2), np.array(entry["high_mm"]), entry["font"])
-        else:
-            x, y = (np.cumsum(column(entry["points"])) for _ in range(2))
-            start = np.cumsum(column(entry["paths"] + 1))
-            art = Paths(np.stack([x, y], axis=1) / 1000, start, entry["closed"], entry["cubic"])
-        ink = entry["ink"]
-        made = Ink(ink["name"], tuple(ink["cmyk"]), ink["pen"], bool(ink.get("spot", False)), bool(ink.get("overprint", False)))
-        layers.append(Layer(made, art, entry["name"]))
-    return Sheet(tuple(about["size_mm"]), tuple(layers), about["recipe"], {"warnings": []})
 
 
 def drawn(data: bytes, name: str) -> Sheet:

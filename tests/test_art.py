@@ -1,0 +1,80 @@
+"""What a layer may hold beside marks and paths: bitmaps, spot inks, and rings with colours of their own."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+import resvg_py
+from PIL import Image
+
+from crowquill import Sheet, load, to_bytes
+from crowquill.paths import Paths
+from crowquill.sheet import Bitmap, Ink, Layer, in_process, on_screen, outlined
+
+
+@pytest.mark.parametrize("name", ["a/b", "Schönblau", "", "Black", "all", "x" * 64, "tab\t"])
+def test_a_spot_ink_has_a_name_that_every_press_takes(name):
+    with pytest.raises(ValueError, match="spot ink"):
+        Ink(name, (0, 0.5, 1, 0), spot=True)
+    assert Ink("PANTONE 124 C", (0, 0.3, 0.9, 0), spot=True).spot
+
+
+def test_a_bitmap_gives_back_its_pixels_and_its_size():
+    black = np.random.default_rng(1).random((5, 13)) < 0.5
+    bitmap = Bitmap.of(black, 254, (1, 2))
+    assert (bitmap.rows(0, 5) == black).all()
+    assert (bitmap.rows(2, 4) == black[2:4]).all()
+    assert len(bitmap) == black.sum()
+    assert np.allclose(bitmap.size, (1.3, 0.5), atol=1e-12)  # mm: pixels of 0.1
+    assert bitmap.moved((1, 1)).corner.tolist() == [2, 3]
+
+
+def test_a_bitmap_with_ink_beside_its_pixels_is_refused():
+    with pytest.raises(ValueError, match="beyond its width"):
+        Bitmap(np.full((1, 1), 255, np.uint8), 5, 300, np.zeros(2))
+    with pytest.raises(ValueError, match="no size"):
+        Bitmap(np.zeros((1, 1), np.uint8), 5, 0, np.zeros(2))
+    with pytest.raises(ValueError, match="rows by columns"):
+        Bitmap.of(np.zeros((0, 4), bool), 300)
+
+
+def test_pixels_have_no_outlines():
+    with pytest.raises(ValueError, match="no outlines"):
+        outlined(Bitmap.of([[True]], 300))
+
+
+def test_every_colour_of_a_screen_comes_back_from_its_inks():
+    rgb = np.random.default_rng(3).integers(0, 256, (2000, 3))
+    rgb[:3] = [(0, 0, 0), (255, 255, 255), (77, 77, 77)]
+    cmyk = in_process(rgb)
+    assert (on_screen(np.round(cmyk, 4)) == rgb).all()  # four decimals are what a layer keeps
+    assert cmyk[:3].tolist() == [[0, 0, 0, 1], [0, 0, 0, 0], [0, 0, 0, 1 - 77 / 255]]  # greys are black alone
+
+
+@pytest.mark.parametrize(
+    ("art", "pen", "fill", "said"),
+    [
+        (Paths.of([[(0, 0), (1, 0), (0, 1)]]), None, [[0, 0, 0, 2]], "0 to 1"),
+        (Paths.of([[(0, 0), (1, 0), (0, 1)]]), None, [[0, 0, 0]], "fill has shape"),
+        (Paths.of([[(0, 0), (1, 0), (0, 1)]]), 0.3, [[0, 0, 0, 1]], "fill colours closed paths"),
+        (Paths.of([[(0, 0), (1, 0), (0, 1)]], closed=False), None, [[0, 0, 0, 1]], "fill colours closed paths"),
+    ],
+)
+def test_a_fill_that_fits_no_ring_is_refused(art: Paths, pen: float | None, fill: list[list[float]], said: str):
+    with pytest.raises(ValueError, match=said):
+        Layer(Ink(pen=pen), art, fill=np.array(fill))
+
+
+def test_colours_of_rings_are_drawn_and_come_back():
+    rings = Paths.of([[(k, 0), (k + 1, 0), (k + 1, 1), (k, 1)] for k in range(4)])
+    rgb = [(200, 10, 30), (200, 10, 30), (0, 0, 0), (7, 200, 255)]
+    sheet = Sheet((4, 1), (Layer(Ink("stone"), rings, fill=in_process(rgb)),))
+    data = to_bytes(sheet, "svg")
+    assert data.count(b"<path") == 3  # neighbours of one colour are one element
+    image = np.asarray(Image.open(io.BytesIO(bytes(resvg_py.svg_to_bytes(svg_string=data.decode(), dpi=254)))).convert("RGB"))
+    assert (image[5, 5::10] == rgb).all()
+    back = load(io.BytesIO(data))
+    assert np.array_equal(back.layers[0].fill, sheet.layers[0].fill)
+    assert to_bytes(back, "svg") == data
