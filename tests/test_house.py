@@ -21,6 +21,7 @@ units kernel
 knobs
 paths
 hilbert halftone vector picture delaunay lettering marks
+light
 tone tracing sheet
 cells glyphs raster
 moments measure

@@ -18,7 +18,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from PIL import Image
 
-from crowquill.tone import REACH, TONES, Tone
+from crowquill.light import REACH, TONES
+from crowquill.tone import Tone
 
 Array = npt.NDArray[np.float64]
 GREYS = np.array([[0, 51, 102], [153, 204, 255]], np.uint8)  # fifths of 255: 0, .2, .4 / .6, .8, 1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -12,16 +11,15 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
+from crowquill import light
+from crowquill.light import TONES, Source
 from crowquill.paths import Array, frozen
-from crowquill.picture import MAX_PIXELS, File, lightness, linear, read, window
+from crowquill.picture import MAX_PIXELS, File, read, window
 
 BLOCK = 64  # columns to a block of prefix sums; see Tone.prefix
 TILE = 32  # pixels: the side of the pieces in which a canvas's outline is cut to pixels
-TONES = ("auto", "linear", "grey")
 FITS = ("contain", "cover", "stretch")
 WIDTH = 180.0  # mm of a picture of which nothing is said: A4 less its margins
-REACH = 0.95  # the darkest coverage tone="auto" asks for: what dots still reach without closing up
-Source = File | npt.ArrayLike
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +31,7 @@ class Tone:
     canvas      shapely Polygon or MultiPolygon in mm, origin top left, y down; None for the whole rectangle
     importance  (h, w) of 0 to 1: 1 is what matters most, one half neither more nor less than others; None for no wish
     notes       what is to be said of how the picture was read
+    rgb         (h, w, 3) its colours as sRGB code values of 0 to 255, where they were asked for
     """
 
     coverage: Array
@@ -40,6 +39,7 @@ class Tone:
     canvas: shapely.Geometry | None = None
     importance: Array | None = None
     notes: tuple[str, ...] = ()
+    rgb: npt.NDArray[np.uint8] | None = None
 
     def __post_init__(self) -> None:
         coverage = frozen(self.coverage, np.float64, (None, None), "coverage")
@@ -55,8 +55,9 @@ class Tone:
         sheet = shapely.box(0, 0, width, height)
         canvas = sheet if self.canvas is None else _canvas(self.canvas, sheet)
         shapely.prepare(canvas)
-        checked = {"coverage": coverage, "size": (width, height), "canvas": canvas, "importance": importance, "notes": tuple(self.notes)}
-        for name, value in checked.items():
+        rgb = None if self.rgb is None else frozen(self.rgb, np.uint8, (*coverage.shape, 3), "rgb")
+        kept = {"coverage": coverage, "size": (width, height), "canvas": canvas, "importance": importance, "rgb": rgb}
+        for name, value in {**kept, "notes": tuple(self.notes)}.items():
             object.__setattr__(self, name, value)
 
     @classmethod
@@ -76,6 +77,7 @@ class Tone:
         local_contrast: float = 0.0,
         canvas: shapely.Geometry | None = None,
         importance: Source | None = None,
+        colour: bool = False,
         max_pixels: int = MAX_PIXELS,
     ) -> Tone:
         """The Tone of a picture file, an open file or an array, on so many mm.
@@ -94,6 +96,7 @@ class Tone:
         canvas          polygon in mm to draw in; None is the whole rectangle
         importance      a picture file or an array of 0 to 1, white for what matters most; it is laid over the
                         picture before the crop, whatever its own size; transparent pixels in it are one half
+        colour          keep the picture's colours too, inverted where it is; no other option of light changes them
 
         Transparent pixels lie on white, EXIF turns the picture upright, an ICC profile leads to sRGB. A float
         TIFF is scaled by its finite range, whatever the tone; NaN in it is no ink.
@@ -106,10 +109,10 @@ class Tone:
         if not 0 <= local_contrast <= 1:
             raise ValueError(f"local contrast is {local_contrast}; it takes 0 to 1")
         notes: tuple[str, ...] = ()
-        if _is_file(source):
+        if light.is_file(source):
             whole, notes = read(cast(File, source), max_pixels)
             part = window(whole.shape, crop)
-            coverage = _coverage(whole[part], tone, black_point, white_point)
+            coverage = light.coverage(whole[part], tone, black_point, white_point)
         else:
             if black_point is not None or white_point is not None:
                 raise ValueError("an array is coverage itself and has no black or white point; leave them out")
@@ -119,7 +122,7 @@ class Tone:
             part = window(whole.shape, crop)
             coverage = whole[part]
         if local_contrast:
-            coverage = _sharpened(coverage, local_contrast)
+            coverage = light.sharpened(coverage, local_contrast)
         if invert:
             coverage = 1 - coverage
         if gamma != 1:
@@ -127,9 +130,11 @@ class Tone:
         h, w = coverage.shape
         wish = None
         if importance is not None:
-            wish, more = _wished(importance, whole.shape, part, max_pixels)
+            wish, more = light.wished(importance, whole.shape, part, max_pixels)
             notes += tuple(f"importance: {note}" for note in more)
-        loaded = cls(coverage, (WIDTH, WIDTH * h / w), importance=wish, notes=notes).fitted(width, height, fit)
+        rgb = light.on_white(cast(File, source), part, max_pixels) if colour and light.is_file(source) else None
+        rgb = 255 - rgb if invert and rgb is not None else rgb
+        loaded = cls(coverage, (WIDTH, WIDTH * h / w), importance=wish, notes=notes, rgb=rgb).fitted(width, height, fit)
         return loaded if canvas is None else replace(loaded, canvas=canvas)
 
     @property
@@ -210,11 +215,13 @@ class Tone:
     def _resized(self, rows: slice, columns: slice, size: tuple[float, float]) -> Tone:
         coverage = self.coverage[rows, columns]
         importance = None if self.importance is None else self.importance[rows, columns]
+        rgb = None if self.rgb is None else self.rgb[rows, columns]
         if self.is_rectangle:
-            return Tone(coverage, size, None, importance, self.notes)
+            return Tone(coverage, size, None, importance, self.notes, rgb)
         corner = np.array([columns.start or 0, rows.start or 0]) * self.pixel
         scale = np.array(size) / (coverage.shape[1], coverage.shape[0]) / self.pixel
-        return Tone(coverage, size, shapely.transform(self.canvas, lambda xy: (xy - corner) * scale), importance, self.notes)
+        canvas = shapely.transform(self.canvas, lambda xy: (xy - corner) * scale)
+        return Tone(coverage, size, canvas, importance, self.notes, rgb)
 
     def mapped(self, curve: Callable[[Array], Array]) -> Tone:
         """The same canvas with curve(coverage) for coverage; the curve takes and gives (h, w) of 0 to 1."""
@@ -264,51 +271,3 @@ def _canvas(canvas: shapely.Geometry, sheet: shapely.Geometry) -> shapely.Geomet
     if not parts:
         raise ValueError("canvas has no area on the picture; it is a polygon in mm from the picture's top left corner")
     return parts[0] if len(parts) == 1 else shapely.multipolygons(parts)
-
-
-def _coverage(code: Array, tone: str, black: float | None, white: float | None) -> Array:
-    """Coverage of code values by the named rule between the two points, or the rule's own."""
-    if not 0 <= (0.0 if black is None else black) < (1.0 if white is None else white) <= 1:
-        raise ValueError(f"black point {black} and white point {white} are no range; give two that rise within 0 to 1")
-    rules: dict[str, Callable[[Array], Array]]
-    rules = {"grey": lambda v: v, "linear": linear, "auto": lambda v: lightness(linear(v)) / 100}
-    rule = rules[tone]
-    value = rule(code)
-    low, high = 0.0, 1.0
-    if tone == "auto":  # the extremes of a photograph are noise; a picture of one tone keeps its tone
-        low, high = np.percentile(value, [0.5, 99.5])
-        low, high = (low, high) if high - low > 0.02 else (0.0, 1.0)
-    low = low if black is None else float(rule(np.array(black)))
-    high = high if white is None else float(rule(np.array(white)))
-    if not low < high:
-        raise ValueError(f"black point {black} and white point {white} leave no tones between; move one")
-    coverage: Array = np.clip((high - value) / (high - low), 0, 1) * (REACH if tone == "auto" else 1.0)
-    return coverage
-
-
-def _is_file(source: object) -> bool:
-    return isinstance(source, (str, os.PathLike)) or hasattr(source, "read")
-
-
-def _wished(source: Source, shape: tuple[int, ...], part: tuple[slice, slice], max_pixels: int) -> tuple[Array, tuple[str, ...]]:
-    """Importance on the part of a picture of this shape that is kept: means of a finer map, straight lines between a coarser one's."""
-    from PIL import Image
-
-    values, notes = read(cast(File, source), max_pixels, under=0.5) if _is_file(source) else (np.asarray(source, np.float64), ())
-    if values.ndim != 2 or values.size == 0 or not 0 <= values.min() <= values.max() <= 1:
-        raise ValueError(f"an array of shape {values.shape} is no importance; give (rows, columns) of 0 to 1, at least one of each")
-    if values.shape == shape:
-        return values[part], notes
-    (down, across), (rows, columns) = np.divide(values.shape, shape), part
-    box = (columns.start * across, rows.start * down, min(columns.stop * across, values.shape[1]), min(rows.stop * down, len(values)))
-    size = (columns.stop - columns.start, rows.stop - rows.start)
-    resized = Image.fromarray(values.astype(np.float32)).resize(size, Image.Resampling.BILINEAR, box)
-    return np.clip(np.asarray(resized, np.float64), 0, 1), notes
-
-
-def _sharpened(coverage: Array, amount: float) -> Array:
-    from scipy.ndimage import gaussian_filter
-
-    around = gaussian_filter(coverage, 0.02 * coverage.shape[1], mode="nearest")
-    # white paper stays white: the difference is weighed by the ink that is there
-    return np.clip(coverage + 2 * amount * (coverage - around) * np.minimum(1, coverage / 0.1), 0, 1)

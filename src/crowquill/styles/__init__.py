@@ -8,6 +8,7 @@ from __future__ import annotations
 import ast
 import importlib
 import numbers
+import sys
 from collections.abc import Callable, Generator
 from dataclasses import replace
 from importlib.metadata import entry_points, version
@@ -46,6 +47,11 @@ def style(name: str) -> Callable[..., Work]:
         raise ValueError(f"no {unknown('style', name, names())}")
     function = importlib.import_module(f"crowquill.styles.{name}").draw
     return function
+
+
+def coloured(name: str) -> bool:
+    """Whether a style draws by the picture's colours: its module then says COLOUR = True."""
+    return bool(getattr(sys.modules[style(name).__module__], "COLOUR", False))
 
 
 def knobs(name: str) -> dict[str, Knob]:
