@@ -15,7 +15,7 @@ from crowquill.glyphs import load
 
 def make() -> Sheet:
     tone = Tone.load(Path(__file__).with_name("specimen.png"), width=80)
-    first = scatter(tone, 6000, np.random.default_rng(1), "halftone")
+    first = scatter(tone, 6000, np.random.default_rng(1), "floyd-steinberg")
     *_, last = islice(lloyd(first, tone, step=1, exponent=0), 21)  # the first state is before any step
 
     frame = np.array([(0, 0), (80, 0), (80, tone.size[1]), (0, tone.size[1])])

@@ -19,7 +19,7 @@ def make() -> Sheet:
     grounded = tone.mapped(lambda coverage: np.maximum(coverage, 0.025))
     published = partial(
         draw, "stipple", grounded, dots=6000, pen=0.45, glyphs="disc",
-        start="halftone", exponent=1, step=1, iterations=100, until=0.01, white_rule="after",
+        start="floyd-steinberg", exponent=1, step=1, iterations=100, until=0.01, white_rule="after",
     )  # fmt: skip
     every, inked = published(white=0).marks, published(white=0.03).marks
 

@@ -15,7 +15,7 @@ def make() -> Sheet:
     tone = Tone.load(Path(__file__).with_name("specimen.png"), width=80)
     left = draw(
         "stipple", tone, pen=0.4,
-        start="halftone", exponent=1, step=1, iterations=100, until=0.01, white_rule="after",
+        start="floyd-steinberg", exponent=1, step=1, iterations=100, until=0.01, white_rule="after",
     ).marks  # fmt: skip
     right = draw("stipple", tone, pen=0.4, dots=len(left)).marks
 

@@ -11,6 +11,7 @@ from PIL import Image
 
 from crowquill import Sheet, load, to_bytes
 from crowquill.paths import Paths
+from crowquill.seen import of_sheet
 from crowquill.sheet import Bitmap, Ink, Layer, in_process, on_screen, outlined
 
 
@@ -78,3 +79,25 @@ def test_colours_of_rings_are_drawn_and_come_back():
     back = load(io.BytesIO(data))
     assert np.array_equal(back.layers[0].fill, sheet.layers[0].fill)
     assert to_bytes(back, "svg") == data
+
+
+def test_colours_of_rings_are_painted_in_bitmaps():
+    square = [(0.1, 0.1), (0.9, 0.1), (0.9, 0.9), (0.1, 0.9)]
+    rings = Paths.of([[(x + k, y + 0.5) for x, y in square] for k in range(4)] + [[(-1, 2.4), (9, 2.4), (9, 9), (-1, 9)]])
+    rgb = [(200, 10, 30), (90, 10, 30), (0, 0, 0), (7, 200, 255), (0, 0, 255)]
+    sheet = Sheet((4, 3), (Layer(Ink("stone"), rings, fill=in_process(rgb)),))
+    image = np.asarray(Image.open(io.BytesIO(to_bytes(sheet, "png", dpi=254))).convert("RGB"))
+    assert (image[10, 5::10] == rgb[:4]).all()
+    assert (image[26:] == rgb[4]).all()  # what hangs over the page is cut
+    assert (image[10, 0::10] == 255).all()
+    greys = Sheet((4, 3), (Layer(Ink("stone"), rings, fill=in_process([(77, 77, 77)] * 5)),))
+    assert Image.open(io.BytesIO(to_bytes(greys, "png", dpi=254))).mode == "L"
+    with pytest.raises(ValueError, match="bilevel has black alone"):
+        to_bytes(sheet, "png", bilevel=True)
+
+
+def test_colours_of_rings_are_seen_as_dark_as_they_are():
+    rings = Paths.of([[(k, 0), (k + 1, 0), (k + 1, 1), (k, 1)] for k in range(3)])
+    sheet = Sheet((3, 1), (Layer(Ink("stone"), rings, fill=in_process([(0, 0, 0), (255, 255, 255), (255, 0, 0)])),))
+    dark, _ = of_sheet(sheet).coverage(1.0)
+    assert np.allclose(dark, [[1, 0, 2 / 3]], atol=1 / 128)  # steps of a 64th

@@ -247,7 +247,7 @@ def test_a_photograph_keeps_its_tone_and_lies_evenly(photograph):
 
 def test_the_published_method_is_a_setting_of_the_knobs_and_keeps_tone_less_well(camera, photograph):
     """Lloyd's own steps on a halftone start, cells weighed by coverage itself, until the dots have come to rest."""
-    sheet = stipple(camera, dots=20_000, start="halftone", exponent=1.0, step=1.0, until=0.005, iterations=200)
+    sheet = stipple(camera, dots=20_000, start="floyd-steinberg", exponent=1.0, step=1.0, until=0.005, iterations=200)
     assert len(sheet.marks) == pytest.approx(20_000, rel=0.01)  # a halftone has as many black pixels as it has
     assert sheet.report["movement"] < 0.005 and sheet.report["iterations"] < 200
     error, _ = scores(camera, sheet.marks.xy / camera.pixel)

@@ -1,4 +1,4 @@
-"""First sites, and how they move: scatter() and lloyd()."""
+"""First sites, and how they move: scatter() and lloyd(); settle() for objects that turn as well."""
 
 from __future__ import annotations
 
@@ -10,11 +10,15 @@ import numpy.typing as npt
 import shapely
 
 from crowquill import cells, hilbert, moments
-from crowquill.halftone import floyd_steinberg
+from crowquill.halftone import METHODS, halftoned
+from crowquill.halftone.averages import averaged
 from crowquill.paths import Array, Index, frozen
+from crowquill.settling import settle
 from crowquill.tone import Tone
 
-STARTS = ("even", "random", "halftone")
+__all__ = ["STARTS", "State", "lloyd", "scatter", "settle"]
+
+STARTS = ("even", "random", *(method for method in METHODS if method != "random"))
 PIXELS_A_SITE = 4  # pixels are split until there are so many: inside one pixel sites fall at random
 SQUARES = 40_000_000  # of a halftone's grid
 GOLDEN = np.pi * (3 - np.sqrt(5))  # rad; multiples of it never line up
@@ -42,9 +46,9 @@ def scatter(tone: Tone, n: int, rng: np.random.Generator, how: str = "even") -> 
     even      equal ink: pixels are strung along a Hilbert curve, the string is cut into n
               lengths of equal ink, and each gets one site at random
     random    each site by itself
-    halftone  one site for every black pixel of a Floyd-Steinberg halftone whose grid makes
-              them about n, in rows: within 1 % from a few hundred on, and never none. The grid
-              has forty million squares at most, which on a nearly white picture makes them fewer
+    a method  of halftoning, by its name: one site for every black pixel of a halftone whose grid makes
+              them about n, in rows: within 4 % from a thousand on where the method keeps tone, and never none.
+              The grid has forty million squares at most, which on a nearly white picture makes them fewer
 
     No ink, or n of 0, gives (0, 2). Raises ValueError for an unknown start or negative n.
     """
@@ -54,8 +58,8 @@ def scatter(tone: Tone, n: int, rng: np.random.Generator, how: str = "even") -> 
         raise ValueError(f"n is {n}; it takes 0 or more")
     if n == 0 or not tone.ink > 0:
         return np.zeros((0, 2))
-    if how == "halftone":
-        return _halftoned(tone, n, rng)
+    if how in METHODS and how != "random":
+        return _halftoned(tone, n, how, rng)
     split = int(np.ceil(np.sqrt(max(1.0, PIXELS_A_SITE * n / tone.coverage.size))))
     if split > 1:
         finer: Array = np.kron(tone.coverage, np.ones((split, split))).astype(np.float64)
@@ -148,12 +152,12 @@ def _placed(tone: Tone, pixel: Index, size: Array, rng: np.random.Generator) -> 
     return sites
 
 
-def _halftoned(tone: Tone, n: int, rng: np.random.Generator) -> Array:
+def _halftoned(tone: Tone, n: int, method: str, rng: np.random.Generator) -> Array:
     """Sites on the grid that comes nearest to n: each next one is as much finer as the last was short of it."""
     area = tone.size[0] * tone.size[1]
     best, cells_wanted = np.zeros((0, 2)), min(float(n), SQUARES * tone.ink / area)
-    for _ in range(8):
-        sites = _black_pixels(tone, np.sqrt(tone.ink / cells_wanted))
+    for chance in rng.spawn(8):
+        sites = _black_pixels(tone, np.sqrt(tone.ink / cells_wanted), method, chance)
         if len(sites) and (not len(best) or abs(len(sites) - n) < abs(len(best) - n)):
             best = sites
         if abs(len(best) - n) <= 0.002 * n:
@@ -167,15 +171,13 @@ def _halftoned(tone: Tone, n: int, rng: np.random.Generator) -> Array:
     return _placed(tone, np.array([darkest[::-1]]), np.array(tone.pixel), rng)
 
 
-def _black_pixels(tone: Tone, pitch: float) -> Array:
+def _black_pixels(tone: Tone, pitch: float, method: str, rng: np.random.Generator) -> Array:
     """The middles of the black pixels of the tone's halftone on a grid of this pitch in mm, those in the canvas."""
-    from PIL import Image
-
     columns = max(1, round(tone.size[0] / pitch))
     rows = max(1, round(tone.size[0] * tone.size[1] / pitch**2 / columns))  # so that both together come near
-    ink = Image.fromarray((tone.coverage * tone.inside).astype(np.float32))
-    grid = np.asarray(ink.resize((columns, rows), Image.Resampling.BOX), np.float64)
-    row, column = np.nonzero(floyd_steinberg(np.clip(grid, 0, 1)))
+    h, w = tone.coverage.shape
+    grid = averaged(tone.coverage * tone.inside, np.linspace(0, w, columns + 1), np.linspace(0, h, rows + 1))
+    row, column = np.nonzero(halftoned(np.clip(grid, 0, 1), method, rng=rng))
     sites = (np.stack([column, row], axis=1) + 0.5) * np.array(tone.size) / (columns, rows)
     kept: Array = sites[tone.holds(sites)]
     return kept

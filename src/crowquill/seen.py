@@ -14,7 +14,7 @@ from crowquill.glyphs.page import tagged
 from crowquill.marks import Marks
 from crowquill.paths import Array, Paths, frozen
 from crowquill.picture import read
-from crowquill.sheet import Ink, Layer, Sheet, shifted
+from crowquill.sheet import Art, Bitmap, Ink, Layer, Sheet, on_screen, shifted
 from crowquill.units import INCH
 from crowquill.vector import contents
 
@@ -67,8 +67,9 @@ class Seen:
         dark = np.zeros(grid)
         for layer in self.layers:
             art = shifted(layer.art, np.array([-left, -top]))
-            cover = raster.covered(art, grid, pixel=pixel, pen=layer.ink.pen, lines=LINES)
-            dark += cover * (darkness(layer.ink) - dark)
+            for part, depth in _depths(layer, art):
+                cover = raster.covered(part, grid, pixel=pixel, pen=layer.ink.pen, lines=LINES)
+                dark += cover * (depth - dark)
         return dark, pixel
 
     def _averaged(self, pitch: float, left: float, top: float, width: float, height: float) -> tuple[Array, tuple[float, float]]:
@@ -81,6 +82,14 @@ class Seen:
         h, w = part.shape[0] // k, part.shape[1] // k
         blocks = part[: h * k, : w * k].reshape(h, k, w, k).mean(axis=(1, 3))
         return np.asarray(blocks), (k * self.pixel, k * self.pixel)
+
+
+def _depths(layer: Layer, art: Art) -> list[tuple[Art, float]]:
+    """A layer's art by how dark it is; rings with colours of their own in 64 steps."""
+    if layer.fill is None or not isinstance(art, Paths):
+        return [(art, darkness(layer.ink))]
+    step = np.round(64 * (1 - on_screen(layer.fill).sum(axis=1) / 765)).astype(np.int64)
+    return [(art.take(np.flatnonzero(step == k)), k / 64) for k in np.unique(step).tolist()]
 
 
 def darkness(ink: Ink) -> float:
@@ -104,7 +113,10 @@ def load(path: Path, *, dpi: float | None = None) -> Seen:
 
 
 def of_sheet(sheet: Sheet, name: str = "sheet") -> Seen:
-    """What a sheet shows. Dots are its marks, or, where it has none, its filled outlines and strokes too short to be lines."""
+    """What a sheet shows. Dots are its marks, or, where it has none, its filled outlines and strokes too short to be lines.
+
+    Of its bitmaps they are the black pixels that hang together.
+    """
     marks = [layer.art for layer in sheet.layers if isinstance(layer.art, Marks) and len(layer.art)]
     notes = tuple(sheet.report.get("warnings", ()))
     recipe = dict(sheet.recipe)
@@ -113,6 +125,7 @@ def of_sheet(sheet: Sheet, name: str = "sheet") -> Seen:
         areas = np.concatenate([art.scale**2 for art in marks])
         return Seen(name, sheet.size, sites, areas, marks[0] if len(marks) == 1 else None, sheet.layers, recipe=recipe, notes=notes)
     found = [_dots(layer) for layer in sheet.layers if isinstance(layer.art, Paths)]
+    found += [_clumps(layer.art) for layer in sheet.layers if isinstance(layer.art, Bitmap)]
     sites = np.concatenate([np.zeros((0, 2)), *(part for part, _ in found)])
     areas = np.concatenate([np.zeros(0), *(part for _, part in found)])
     return Seen(name, sheet.size, sites, areas, None, sheet.layers, recipe=recipe, notes=notes)
@@ -135,6 +148,19 @@ def _dots(layer: Layer) -> tuple[Array, Array]:
     solid = m[:, 0] != 0
     corner = art.xy[art.start[:-1][solid]]
     return corner + m[solid, 1:3] / m[solid, :1], np.abs(m[solid, 0])
+
+
+def _clumps(art: Bitmap) -> tuple[Array, Array]:
+    """Centroids and areas of the black pixels of a bitmap that hang together, by their sides or corners."""
+    from scipy import ndimage
+
+    black, side = art.rows(0, len(art.bits)), INCH / art.dpi
+    labels, n = ndimage.label(black, np.ones((3, 3), int))
+    row, column = np.nonzero(black)
+    label = labels[row, column] - 1
+    count = np.bincount(label, minlength=n)
+    sites = np.stack([np.bincount(label, axis + 0.5, n) / count for axis in (column, row)], axis=1)
+    return art.corner + sites * side, np.asarray(count * side**2)
 
 
 def _bitmap(path: Path, dpi: float | None) -> Seen:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from crowquill.lettering import FACES, Words
 from crowquill.marks import TURN_STEPS, Glyph, Marks
 from crowquill.paths import Array, Paths
-from crowquill.sheet import Art, Ink, Layer, Sheet, outlined
+from crowquill.sheet import Art, Bitmap, Ink, Layer, Sheet, outlined
 
 SCHEMA = 1  # a reader refuses a newer one
 SHARES = 10_000  # parts of a share of ink that are kept
@@ -34,6 +34,9 @@ def packed(sheet: Sheet) -> tuple[dict[str, Any], bytes]:
             parts += [glyph.paths.xy.astype("<f8").tobytes() for glyph in art.glyphs]
         elif isinstance(art, Words) and art.font in FACES:
             entry |= {"words": list(art.text), "font": art.font, "at_mm": art.xy.tolist(), "high_mm": art.size.tolist()}
+        elif isinstance(art, Bitmap):
+            entry |= {"pixels": [art.width, len(art.bits)], "dpi": art.dpi, "at_mm": art.corner.tolist()}
+            parts.append(art.bits.tobytes())
         else:
             art = outlined(art)
             entry |= {"paths": len(art), "points": len(art.xy), "closed": art.closed, "cubic": art.cubic}
@@ -88,6 +91,10 @@ def unpacked(about: dict[str, Any], table: bytes) -> Sheet:
             art = Marks(places, (turns * (2 * np.pi / TURN_STEPS)).astype(np.float64), scale / 1000.0, glyph, glyphs)
         elif "words" in entry:
             art = Words(tuple(map(str, entry["words"])), np.array(entry["at_mm"]).reshape(-1, 2), np.array(entry["high_mm"]), entry["font"])
+        elif "pixels" in entry:
+            across, down = entry["pixels"]
+            bits = np.frombuffer(take(down * -(-across // 8)), np.uint8).reshape(down, -1)
+            art = Bitmap(bits, across, float(entry["dpi"]), np.array(entry["at_mm"]))
         else:
             x, y = (np.cumsum(column(entry["points"])) for _ in range(2))
             start = np.cumsum(column(entry["paths"] + 1))

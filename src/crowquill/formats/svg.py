@@ -17,14 +17,16 @@ import numpy as np
 import svgwrite
 import svgwrite.container
 import svgwrite.extensions
+import svgwrite.image
 import svgwrite.path
 
+from crowquill.formats import png
 from crowquill.formats._table import SCHEMA, packed, unpacked
 from crowquill.formats._text import apart, chunks, number, svg_path
 from crowquill.knobs import Flag
 from crowquill.marks import Marks
 from crowquill.paths import Paths
-from crowquill.sheet import Ink, Layer, Sheet, on_screen, outlined
+from crowquill.sheet import Bitmap, Ink, Layer, Sheet, on_screen, outlined
 from crowquill.vector import PX, elements, local, shapes
 
 KEEPS_FILES = True  # attached to a sheet
@@ -54,17 +56,29 @@ def write(
     inkscape = svgwrite.extensions.Inkscape(drawing)
     for rank, layer in enumerate(sheet.layers, 1):
         group = inkscape.layer(label=_sayable(layer.label), id=f"layer{rank}", **_paint(layer.ink))
+        drawing.add(group)
+        if isinstance(layer.art, Bitmap):
+            group.add(_image(layer.art, layer.ink))
+            continue
         scaled = svgwrite.container.Group(transform="scale(.001)", debug=False)
         for paths, colour in _coloured(layer, separate):
             scaled.add(svgwrite.path.Path(d=svg_path(paths), debug=False, **colour))
         group.add(scaled)
-        drawing.add(group)
     root = drawing.get_xml()
     about, table = packed(sheet)
     about["drawn"] = _digest(root)
     root.insert(0, _metadata(about, table, sheet.attached))
     ElementTree.ElementTree(root).write(file, encoding="utf-8", xml_declaration=True)
     file.write(b"\n")
+
+
+def _image(art: Bitmap, ink: Ink) -> svgwrite.image.Image:
+    """The bitmap as an image of its own pixels in mm, whose edges renderers are asked to keep."""
+    data = "data:image/png;base64," + base64.b64encode(png.stencil(art, ink.rgb)).decode("ascii")
+    image = svgwrite.image.Image(data, [number(at) for at in art.corner], [number(side, 6) for side in art.size], debug=False)
+    image.stretch()
+    image["image-rendering"], image["style"] = "optimizeSpeed", "image-rendering:pixelated"  # SVG 1.1's word, and browsers'
+    return image
 
 
 def foresee(_size: tuple[float, float], marks: int, *, separate: bool) -> None:
@@ -80,6 +94,8 @@ def read(data: bytes, name: str) -> Sheet:
         kept = _kept(root)
         if about["drawn"] != _digest(root):
             warning = f"{name} was edited since it was made: its geometry was read, and its dots are outlines, not marks"
+            if any("pixels" in layer for layer in about["layers"]):
+                warning += "; bitmaps in it are left out"
             return replace(drawn(data, name), recipe=about["recipe"], report={"warnings": [warning]}, attached=kept)
         text = "".join(piece.text or "" for piece in root.iter(f"{{{SPACE}}}marks"))
         return replace(unpacked(about, zlib.decompressobj().decompress(base64.b64decode(text), LARGEST)), attached=kept)
@@ -189,6 +205,8 @@ def _digest(root: ElementTree.Element) -> str:
             for key, value in sorted(element.attrib.items())
             if not any(mark in key for mark in ":}") and key not in ("id", "xmlns", "version", "baseProfile")
         ]
+        if local(element) == "image":  # however its lines are broken
+            kept += [("href", "".join(value.split())) for key, value in element.attrib.items() if key.endswith("href")]
         total.update(repr((depth, local(element), kept)).encode())
         for child in element:
             walk(child, depth + 1)

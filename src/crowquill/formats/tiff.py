@@ -5,12 +5,13 @@ from __future__ import annotations
 import io
 import struct
 import zlib
+from dataclasses import replace
 from fractions import Fraction
 from typing import Annotated, Any, BinaryIO
 
 import numpy as np
 
-from crowquill.formats._bitmap import BILEVEL, DESCRIPTION, DPI, Bytes, bands, page, said
+from crowquill.formats._bitmap import BILEVEL, BLACK_FROM, DESCRIPTION, DPI, GREY_DOTS, RIM, Bytes, bands, page, said
 from crowquill.formats._bitmap import foresee as foresee  # what every format may have
 from crowquill.formats._bitmap import recipe as recipe
 from crowquill.knobs import Flag, Range
@@ -25,19 +26,21 @@ def write(
     sheet: Sheet,
     file: BinaryIO,
     *,
-    dpi: Annotated[float, Range(20, 4800, "", DPI)] = 600,
+    dpi: Annotated[float | None, Range(20, 4800, "", DPI)] = None,
     bilevel: Annotated[bool, Flag(BILEVEL)] = False,
+    grey_dots: Annotated[bool, Flag(GREY_DOTS)] = True,
+    black_from: Annotated[float, Range(0.01, 0.99, "", BLACK_FROM)] = RIM,
 ) -> None:
     """The sheet as a TIFF of one page that says how many pixels it has to the inch; grey unless an ink has colour.
 
     Grey and colour are deflated, as differences from pixel to pixel. Strips are packed one by one and held until all are known.
     Raises ValueError for more pixels than `_bitmap` takes, and for inks other than black in black and white.
     """
-    of = page(sheet, dpi, bilevel)
+    of = replace(page(sheet, dpi, bilevel), grey_dots=grey_dots, black_from=black_from)
     pack = _deflated if of.channels else _group_4
     strips = [pack(rows, max(1, of.channels), of.width) for rows in bands(sheet, of)]
     sizes = [len(strip) for strip in strips]
-    inch = Fraction(dpi).limit_denominator(10_000)
+    inch = Fraction(of.dpi).limit_denominator(10_000)
     channels = max(1, of.channels)
     fields: list[tuple[int, int, list[int]]] = [
         (256, LONG, [of.width]),

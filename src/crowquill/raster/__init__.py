@@ -14,7 +14,8 @@ import numpy as np
 from crowquill.kernel import compiled, shared_out
 from crowquill.marks import Marks
 from crowquill.paths import Array, Index, Paths
-from crowquill.sheet import Art, outlined
+from crowquill.raster.pixels import Pixels
+from crowquill.sheet import Art, Bitmap, outlined
 
 LINES = 16  # to a row of pixels: a level border errs by a 32nd of a pixel at most, a sloping one by far less
 FLAT = 1 / 200  # of a pixel: how far a chord may stray from its curve; a dot of 7 pixels loses less than a thousandth
@@ -85,6 +86,15 @@ class Raster:
         return cover
 
 
+def ready(
+    art: Art, *, pixel: tuple[float, float], width: int, pen: float | None = None, lines: int = LINES, flat: float | None = None
+) -> Raster | Pixels:
+    """Any art made ready for rows of a grid of pixels; knobs are those of `Raster.of`, and a bitmap heeds the grid alone."""
+    if isinstance(art, Bitmap):
+        return Pixels.of(art, pixel=pixel, width=width)
+    return Raster.of(art, pixel=pixel, width=width, pen=pen, lines=lines, flat=flat)
+
+
 def covered(
     art: Art,
     grid: tuple[int, int],
@@ -99,7 +109,7 @@ def covered(
     Knobs are those of `Raster.of`. Outlines of fewer than three points, and marks of no size, cover nothing.
     """
     h, w = grid
-    raster = Raster.of(art, pixel=pixel, width=w, pen=pen, lines=lines, flat=flat)
+    raster = ready(art, pixel=pixel, width=w, pen=pen, lines=lines, flat=flat)
     cover = np.zeros(grid)
     band = max(1, PIXELS // max(w, 1))
     for top in range(0, h, band):
