@@ -15,10 +15,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from drawings import NIB, drawable, everything, file
 
 from crowquill import formats
+from crowquill.formats import _text
 from crowquill.marks import Marks
 from crowquill.paths import Paths
 from crowquill.sheet import Ink, Layer, Sheet
@@ -165,3 +167,14 @@ def test_a_replaced_file_keeps_its_mode_and_a_new_one_has_the_usual(tmp_path: Pa
 def test_a_suffix_names_the_format_beside_an_open_file_that_takes_another(tmp_path: Path) -> None:
     formats.save(everything(), tmp_path / "a.svg", buffer := io.BytesIO(), format="pdf")
     assert buffer.getvalue() == file("pdf") and (tmp_path / "a.svg").read_bytes() == file("svg")
+
+
+def test_a_hole_goes_into_the_element_of_its_outline(monkeypatch):
+    monkeypatch.setattr(_text, "POINTS", 6)
+    square = np.array([(0, 0), (3, 0), (3, 3), (0, 3)])
+    hole = np.array([(1, 1), (1, 2), (2, 2), (2, 1)])
+    rings = Paths.of([ring + (4 * k, 0) for k in range(5) for ring in (square, hole)])
+    parts = list(_text.chunks(rings))
+    assert len(parts) > 1
+    assert all(part.areas.tolist() == [9, -1] * (len(part) // 2) for part in parts)
+    assert np.array_equal(np.concatenate([part.xy for part in parts]), rings.xy)

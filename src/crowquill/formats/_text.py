@@ -34,8 +34,10 @@ def chunks(art: Art) -> Iterator[Paths]:
     if not isinstance(art, Marks):
         art = outlined(art)
         heads = np.searchsorted(art.start, np.arange(0, len(art.xy), POINTS), side="left")
-        bounds = np.unique([*heads, len(art)])
-        for lo, hi in pairwise(bounds):
+        outer = np.flatnonzero(art.areas > 0) if art.closed else np.arange(0)
+        if len(outer):  # holes stay with the outlines before them
+            heads = np.append(outer, len(art))[np.searchsorted(outer, heads)]
+        for lo, hi in pairwise(np.unique([0, *heads, len(art)])):
             yield art.take(np.arange(lo, hi))
         return
     size = max(1, POINTS // max((len(glyph.paths.xy) for glyph in art.glyphs), default=1))
