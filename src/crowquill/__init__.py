@@ -24,8 +24,9 @@ if TYPE_CHECKING:
     from crowquill.making import redo
     from crowquill.marks import Glyph, Marks
     from crowquill.moments import Moments
+    from crowquill.objects import Objects, Shape
     from crowquill.paths import Paths
-    from crowquill.relax import lloyd, scatter
+    from crowquill.relax import lloyd, scatter, settle
     from crowquill.sheet import Ink, Layer, Sheet, Step
     from crowquill.styles import steps
     from crowquill.tone import Tone
@@ -35,8 +36,9 @@ _PUBLIC = {
     "formats": ("load", "save", "to_bytes"),
     "making": ("redo",),
     "moments": ("Moments",),
+    "objects": ("Objects", "Shape"),
     "paths": ("Paths",),
-    "relax": ("lloyd", "scatter"),
+    "relax": ("lloyd", "scatter", "settle"),
     "marks": ("Glyph", "Marks"),
     "sheet": ("Ink", "Layer", "Sheet", "Step"),
     "styles": ("steps",),
@@ -44,8 +46,8 @@ _PUBLIC = {
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names}
 __all__ = [
-    "Cells", "Glyph", "Ink", "Layer", "Marks", "Moments", "Paths", "Sheet", "Step", "Tone",
-    "draw", "lloyd", "load", "redo", "save", "scatter", "steps", "to_bytes", "voronoi",
+    "Cells", "Glyph", "Ink", "Layer", "Marks", "Moments", "Objects", "Paths", "Shape", "Sheet", "Step", "Tone",
+    "draw", "lloyd", "load", "redo", "save", "scatter", "settle", "steps", "to_bytes", "voronoi",
 ]  # fmt: skip
 
 
