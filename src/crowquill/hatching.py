@@ -23,7 +23,7 @@ def areas(paths: Paths, nib: float) -> list[Array]:
     What is narrower than the nib is one stroke along it, or, where it bends, a thin loop; it comes out as wide as the nib.
     Paths without area draw nothing.
     """
-    solid = shapely.get_parts(_solid(paths.flat(min(FLAT, nib / 50))))
+    solid = shapely.get_parts(covered(paths.flat(min(FLAT, nib / 50))))
     solid = solid[shapely.area(solid) > 0]
     inner = shapely.simplify(shapely.buffer(solid, -nib / 2), nib * FINE)
     narrow = shapely.is_empty(inner)
@@ -144,7 +144,7 @@ def _long_axis(area: shapely.Polygon) -> tuple[float, float, float]:
     return float(np.arctan2(sides[k, 1], sides[k, 0])), float(length[k]), float(length[1 - k])
 
 
-def _solid(paths: Paths) -> npt.NDArray[np.object_]:
+def covered(paths: Paths) -> npt.NDArray[np.object_]:
     """The areas that straight paths fill by the nonzero rule, those that touch joined into one.
 
     Paths whose boxes meet no others are looked at by themselves.

@@ -9,11 +9,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
-from crowquill import units
+from crowquill import curves, units
 from crowquill.knobs import Choice, Flag, Numbers, Range, Text
-from crowquill.picture import MAX_PIXELS
+from crowquill.light import TONES
+from crowquill.picture import MAX_PIXELS, shape, window
 from crowquill.sheet import Sheet, check_bar, check_fit, turned
-from crowquill.tone import FITS, TONES, Tone
+from crowquill.tone import FITS, Tone
 from crowquill.tracing import WISHES
 from crowquill.tracing import canvas as traced
 
@@ -22,6 +23,7 @@ BAR_MARGIN = 4.0  # mm; a check bar needs that much
 
 def lit(
     picture: Path,
+    colour: bool = False,
     *,
     tone: Annotated[str, Choice(TONES, "light to ink; auto suits the pen, linear is exact, grey goes by code value")] = "auto",
     gamma: Annotated[float, Range(0.01, 10, "", "power of coverage; above 1 opens shadows")] = 1.0,
@@ -32,12 +34,14 @@ def lit(
     local_contrast: Annotated[float, Range(0, 1, "", "stress on detail")] = 0.0,
     canvas: Annotated[str | None, Text("where to draw: alpha, auto, a mask, or an SVG outline laid over the picture", file=True)] = None,
     importance: Annotated[str | None, Text("a picture laid over it, white where it matters most", file=True)] = None,
+    tone_curve: Annotated[str | None, Text("a CSV of coverage asked and measured in print, to be made up for", file=True)] = None,
     max_pixels: Annotated[int, Range(1, 10**12, "", "refuse larger pictures")] = MAX_PIXELS,
 ) -> Tone:
-    """The tone of a picture file, of no particular size yet. Raises what Tone.load and tracing.canvas raise."""
-    for name, path in (("canvas", canvas), ("importance", importance)):
+    """The tone of a picture file, of no particular size yet. Raises what Tone.load, tracing.canvas and curves.inverse raise."""
+    for name, path in (("canvas", canvas), ("importance", importance), ("tone-curve", tone_curve)):
         if path is not None and not Path(path).suffix and not (name == "canvas" and path in WISHES):
             raise ValueError(f"no {name} {path!r}; give a file with a suffix{', alpha or auto' if name == 'canvas' else ''}")
+    curve = None if tone_curve is None else curves.inverse(tone_curve)
     left, top, width, height = crop or (0.0, 0.0, 1.0, 1.0)
     cut = (left, top, width, height) if crop else None
     found = Tone.load(
@@ -50,8 +54,10 @@ def lit(
         crop=cut,
         local_contrast=local_contrast,
         importance=importance,
+        colour=colour,
         max_pixels=max_pixels,
     )
+    found = found if curve is None else found.mapped(curve)
     if canvas is None:
         return found
     return replace(found, canvas=traced(canvas, picture, found.size, crop=cut, max_pixels=max_pixels))
@@ -80,6 +86,17 @@ def placed(
     tone = tone.fitted(width, height, fit) if width is not None or height is not None else tone.fitted(*room, fit)
     check_fit(tone.size, size, margin)
     return size, tone
+
+
+def frame(
+    tone: Tone, picture: Path, crop: tuple[float, ...] | None = None, max_pixels: int = MAX_PIXELS
+) -> tuple[float, float, float, float]:
+    """The part of a picture that its tone shows, once it was cropped and placed: left, top, width and height as shares of the picture."""
+    whole, (h, w) = shape(picture, max_pixels), tone.coverage.shape
+    rows, columns = window(whole, (crop[0], crop[1], crop[2], crop[3]) if crop else None)
+    top = rows.start + (rows.stop - rows.start - h) // 2  # fit cover keeps the middle
+    left = columns.start + (columns.stop - columns.start - w) // 2
+    return left / whole[1], top / whole[0], w / whole[1], h / whole[0]
 
 
 def on_paper(sheet: Sheet, size: tuple[float, float], margin: float, bar: bool) -> Sheet:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
+import sys
 import tempfile
 from collections.abc import Mapping
 from dataclasses import replace
@@ -10,7 +12,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from crowquill import formats, layout, plotting, recipe, styles, units
+from crowquill import finishing, formats, layout, plotting, recipe, stippling, styles, units
+from crowquill.finishing import Finish
+from crowquill.marks import Marks
 from crowquill.recipe import PICTURE, Recipe, Source
 from crowquill.sheet import Sheet
 from crowquill.styles import Work
@@ -27,9 +31,10 @@ def named(wanted: Recipe, paths: Paths) -> Recipe:
 
 
 def laid_out(wanted: Recipe, paths: Paths) -> tuple[tuple[float, float], Tone]:
-    """The paper's sides in mm, and the tone in its place on it."""
+    """The paper's sides in mm, and the tone in its place on it, on what lines and a scale bar leave free."""
     full = wanted.with_paths(paths)
-    return layout.placed(layout.lit(paths[PICTURE], **full.tone), **full.paper)
+    size, tone = layout.placed(layout.lit(paths[PICTURE], styles.coloured(full.style), **full.tone), **full.paper)
+    return size, _finish(full, paths, tone).freed(tone, _widest(wanted, tone))
 
 
 def steps(wanted: Recipe, paths: Paths, size: tuple[float, float], tone: Tone) -> Work:
@@ -38,13 +43,49 @@ def steps(wanted: Recipe, paths: Paths, size: tuple[float, float], tone: Tone) -
     full = wanted.with_paths(paths)
     chosen = {**full.knobs, **_timed(wanted, tone)}
     sheet = yield from styles.steps(full.style, tone, seed=full.seed, **chosen)
-    sheet = layout.on_paper(sheet, size, wanted.paper["margin"], wanted.paper["check_bar"])
+    final = _finish(full, paths, tone)
+    sheet = layout.on_paper(final.drawn(sheet), size, wanted.paper["margin"], wanted.paper["check_bar"])
     made = {key: sheet.recipe[key] for key in sorted(recipe.RESULTS)}
     settings = {key: value for key, value in wanted.plot.items() if key not in ("purpose", "plot_time")}
-    settings["nib"] = settings["nib"] or wanted.knobs.get("pen")  # who draws for a pen plots with it
+    if final.lines or final.bar:  # have pens of their own: dots are named for theirs
+        sheet = _named_for(sheet, wanted.knobs.get("pen"))
+    else:
+        settings["nib"] = settings["nib"] or wanted.knobs.get("pen")  # who draws for a pen plots with it
     sheet = recipe.finished(sheet, settings, purpose=wanted.plot["purpose"])
     sheet = replace(sheet, recipe={**wanted.data(), "version": version("crowquill"), **made})
     return recipe.attached(sheet, wanted, paths, embed=wanted.files.get("embed", False))
+
+
+def _finish(full: Recipe, paths: Paths, tone: Tone) -> Finish:
+    """What comes over the drawing of a tone in its place, by a recipe with its paths."""
+    if full.finish["ink_gain"] and full.plot["purpose"] == "plotter":
+        raise ValueError("ink-gain makes strokes finer than the pen that plots them; leave it out, or leave out --for plotter")
+    if full.finish["outline"] is None:
+        return finishing.finish(tone, **full.finish)
+    frame = layout.frame(tone, paths[PICTURE], full.tone["crop"], full.tone["max_pixels"])
+    return finishing.finish(tone, frame, **full.finish)
+
+
+def _widest(wanted: Recipe, tone: Tone) -> float:
+    """The width of the largest dots or strokes to come in mm, as far as the settings tell it, else 0."""
+    knobs, module = wanted.knobs, sys.modules[styles.style(wanted.style).__module__]
+    if "pen" not in knobs:
+        return 0.0
+    if knobs.get("sizes"):
+        return float(max(knobs["sizes"]))
+    if knobs["pen"] is None and knobs.get("dots") and "dots" in getattr(module, "EITHER", ()):
+        return 2 * math.sqrt(tone.ink / knobs["dots"] / math.pi)  # on average
+    pen = knobs["pen"] or getattr(module, "PEN", stippling.PEN)
+    by_tone = "tone" in (knobs.get("size_by"), knobs.get("width_by"))
+    return float(pen * (getattr(module, "SPAN", (1.0, 1.0))[1] if by_tone else 1))
+
+
+def _named_for(sheet: Sheet, pen: float | None) -> Sheet:
+    """The sheet with the pen's width as the name of each layer of dots that has none: a plotter takes it from there."""
+    if pen is None:
+        return sheet
+    layers = [replace(layer, name=f"{pen:.4g} mm") if isinstance(layer.art, Marks) and not layer.name else layer for layer in sheet.layers]
+    return replace(sheet, layers=tuple(layers))
 
 
 def _timed(wanted: Recipe, tone: Tone) -> dict[str, int]:
@@ -95,7 +136,8 @@ def found(file: Path, given: Paths, folder: Path) -> tuple[Recipe, dict[str, Pat
         if not path.exists():
             if key in given:
                 raise ValueError(f"{path}: there is no such file; check the name")
-            raise ValueError(f"{file}: its {key} {source.name!r} is not in {os.fspath(path.parent)}; say where it is with --{key}")
+            option = key.replace("_", "-")
+            raise ValueError(f"{file}: its {key} {source.name!r} is not in {os.fspath(path.parent)}; say where it is with --{option}")
         digest = Source.of(path).sha256
         if source.sha256 not in ("", digest):
             raise ValueError(f"{path}: is not the {key} that {file.name} was drawn from (its SHA-256 differs); give the same file")

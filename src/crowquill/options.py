@@ -16,7 +16,14 @@ from crowquill.knobs import Choice, Flag, Knob, Numbers, Range, Text, of
 from crowquill.recipe import TABLES, Recipe
 from crowquill.vector import contents
 
-PANELS = {"paper": "Paper and size", "tone": "Picture and tone", "knobs": "The style's knobs", "files": "Files", "plot": "For a plotter"}
+PANELS = {
+    "paper": "Paper and size",
+    "tone": "Picture and tone",
+    "knobs": "The style's knobs",
+    "finish": "Lines, bars and print",
+    "files": "Files",
+    "plot": "For a plotter",
+}
 NAMES = {"purpose": "--for"}  # a word that no parameter may have
 RUN = "Running"
 WRITTEN = "Files to write, by suffix: .svg, .pdf, .png, .tiff; for plotters .hpgl, .gcode."
@@ -30,6 +37,13 @@ def _running(
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress and no summary.", rich_help_panel=RUN)] = False,
     overwrite: Annotated[bool, typer.Option(help="Replace files that are there.", rich_help_panel=RUN)] = True,
+    plates: Annotated[
+        Path | None,
+        typer.Option(help="Write the plate of each ink too, into this folder.", rich_help_panel=RUN, metavar="DIR"),
+    ] = None,
+    plates_as: Annotated[
+        str | None, typer.Option(help="The plates' format: pdf, or tiff of 1 bit at --dpi, or 2400.", rich_help_panel=RUN, metavar="KIND")
+    ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say size, dots and time, and write nothing.", rich_help_panel=RUN)] = False,
 ) -> None:
     """Only its signature is used: the options of all that draws."""
@@ -53,7 +67,7 @@ def drawing(style: str, draw: Callable[..., int]) -> Callable[..., int]:
     tables = {table: recipe.takes_of(table, style) for table in TABLES}
     out, *rest = inspect.signature(_running, eval_str=True).parameters.values()
     every = [_parameter("picture", picture), out]
-    every += [_option(knob, table) for table, takes in tables.items() for knob in takes.values()]
+    every += [option(knob, table) for table, takes in tables.items() for knob in takes.values()]
     every += [_parameter("seed", Annotated[int, seed], 0), _parameter("recipe", Annotated[Path | None, taken], None), *rest]
 
     def called(context: typer.Context, **values: Any) -> int:
@@ -66,7 +80,7 @@ def drawing(style: str, draw: Callable[..., int]) -> Callable[..., int]:
         settings["files"] = {key: value for key, value in settings["files"].items() if value is not None}
         return draw(Recipe(style, values.pop("seed"), **settings), typed=typed, **values)
 
-    return _signed(called, [_parameter("context", typer.Context), *every])
+    return signed(called, [_parameter("context", typer.Context), *every])
 
 
 def running(call: Callable[..., int]) -> Callable[..., int]:
@@ -80,21 +94,30 @@ def running(call: Callable[..., int]) -> Callable[..., int]:
     def called(**values: Any) -> int:
         return call(**values)
 
-    return _signed(called, [*(p for p in own if p.kind is p.POSITIONAL_OR_KEYWORD), *extra])
+    return signed(called, [*(p for p in own if p.kind is p.POSITIONAL_OR_KEYWORD), *extra])
 
 
 def lit(call: Callable[..., int]) -> Callable[..., int]:
     """A function for Typer to read: the parameters of `call` that have a place, and options of tone, each None when left out."""
     own = [p for p in inspect.signature(call, eval_str=True).parameters.values() if p.kind is p.POSITIONAL_OR_KEYWORD]
-    light = [_option(replace(knob, default=None), "tone") for knob in of(layout.lit).values()]
+    light = [option(replace(knob, default=None), "tone") for knob in of(layout.lit).values()]
 
     def called(**values: Any) -> int:
         return call(**values)
 
-    return _signed(called, [*own, *light])
+    return signed(called, [*own, *light])
 
 
-def _signed(function: Callable[..., int], parameters: list[inspect.Parameter]) -> Callable[..., int]:
+def source(key: str) -> inspect.Parameter:
+    """The option that says where a file is that a drawing was made from."""
+    words = typer.Option(
+        help=f"Its {key.replace('_', ' ')}, where it is not beside it.", rich_help_panel="Files it was made from", metavar="FILE"
+    )
+    return _parameter(key, Annotated[Path | None, words], None)
+
+
+def signed(function: Callable[..., int], parameters: list[inspect.Parameter]) -> Callable[..., int]:
+    """The function with these parameters for a signature, all by keyword."""
     function.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
         [p.replace(kind=p.KEYWORD_ONLY) for p in parameters]
     )
@@ -119,7 +142,7 @@ def _parameter(name: str, annotation: Any, default: Any = inspect.Parameter.empt
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
 
 
-def _option(knob: Knob, table: str) -> inspect.Parameter:
+def option(knob: Knob, table: str) -> inspect.Parameter:
     """The option of a knob. Lengths are text on the command line, defaults too; of files only what is asked for is passed on."""
     takes = knob.takes
     default, shown = knob.default, None

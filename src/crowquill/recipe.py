@@ -6,19 +6,19 @@ import hashlib
 import numbers
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
 
-from crowquill import formats, layout, plotting, styles
+from crowquill import finishing, formats, layout, plotting, styles
 from crowquill.knobs import Choice, Flag, Knob, Text, checked, of, unknown
 from crowquill.sheet import Sheet
 from crowquill.vector import regular
 
 SCHEMA = 1  # a reader refuses a newer one
-TABLES = ("paper", "tone", "knobs", "files", "plot")
+TABLES = ("paper", "tone", "knobs", "finish", "files", "plot")
 RESULTS = {"art_mm", "paper_mm", "art_at_mm"}  # what came of it: kept in files beside what made it
 PICTURE = "picture"
 
@@ -40,10 +40,10 @@ class Source:
 
 @dataclass(frozen=True)
 class Recipe:
-    """A style with its seed, and every setting by name in five tables; `sources` are the files by what they are for.
+    """A style with its seed, and every setting by name in six tables; `sources` are the files by what they are for.
 
     paper, tone  the keywords of layout.placed and layout.lit
-    knobs        of the style; `files` of the formats written, only those that were asked for
+    knobs        of the style; `finish` of finishing.finish; `files` of the formats written, only those that were asked for
     plot         of finished() and of plotting.plotted, which count for plotters only
     """
 
@@ -52,6 +52,7 @@ class Recipe:
     paper: Mapping[str, Any] = field(default_factory=dict)
     tone: Mapping[str, Any] = field(default_factory=dict)
     knobs: Mapping[str, Any] = field(default_factory=dict)
+    finish: Mapping[str, Any] = field(default_factory=dict)
     files: Mapping[str, Any] = field(default_factory=dict)
     plot: Mapping[str, Any] = field(default_factory=dict)
     sources: Mapping[str, Source] = field(default_factory=dict)
@@ -96,7 +97,10 @@ def takes_of(table: str, style: str) -> dict[str, Knob]:
         return {key: knob for name in formats.names() for key, knob in formats.knobs(name).items()} | of(attached)
     if table == "plot":
         return of(finished) | of(plotting.plotted)
-    return styles.knobs(style) if table == "knobs" else of(layout.placed if table == "paper" else layout.lit)
+    if table == "knobs":
+        return styles.knobs(style)
+    functions: dict[str, Callable[..., Any]] = {"paper": layout.placed, "tone": layout.lit, "finish": finishing.finish}
+    return of(functions[table])
 
 
 def files_of(recipe: Recipe) -> dict[str, str]:
@@ -156,6 +160,8 @@ def read_toml(data: bytes, name: str) -> Recipe:
 
 
 def _parsed(data: Any) -> Recipe:
+    if isinstance(data, Mapping) and data.get("style") == "plate":
+        raise ValueError("is a plate of several drawings; use crowquill plate, or plate.redo in Python")
     if not isinstance(data, Mapping) or "style" not in data:
         raise ValueError("has no recipe: it does not say its style; give a file drawn by the command line")
     schema = data.get("schema", SCHEMA)

@@ -144,8 +144,7 @@ def importance(tone: Tone) -> Array | None:
 def _cap(pen: float, gap: float) -> float:
     """The greatest coverage to ask for.
 
-    Dots that must stay apart cover less: relaxed ones of this width and more than 0.46 of the paper begin to
-    break the gap. That many would have to go again, most of them where it is darkest.
+    Dots that must stay apart cover less: of relaxed ones on over 0.46 of the paper many break the gap and would have to go.
     """
     return min(CAP, 0.46 * (pen / (pen + gap)) ** 2) if gap else CAP
 

@@ -10,7 +10,6 @@ import typer
 
 from crowquill import formats
 from crowquill.commands import note, say
-from crowquill.marks import Marks
 from crowquill.paths import Array, Paths
 from crowquill.sheet import Ink, Layer, Sheet
 

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from crowquill import making
+from crowquill import making, plate
 from crowquill.commands import say
 
 
@@ -20,7 +20,8 @@ def add(app: typer.Typer) -> None:
     def printed(
         file: Annotated[Path, typer.Argument(help="A drawing: SVG, PDF, PNG or TIFF.", show_default=False, metavar="FILE")],
     ) -> int:
-        text = making.read(file)[0].toml()
+        kept = plate.kept(file)
+        text = plate.toml(kept[0]) if kept else making.read(file)[0].toml()
         if isinstance(sys.stdout, io.TextIOWrapper):
             sys.stdout.reconfigure(encoding="utf-8")  # TOML is UTF-8 whatever the terminal speaks
         say(text.rstrip("\n"))
