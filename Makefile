@@ -1,7 +1,9 @@
 # Everything works in an environment of its own, .venv; nothing is installed outside it but what tests need of Debian's.
 PYTHON ?= python3
 BIN := .venv/bin
-DEBIAN := poppler-utils ghostscript chromium
+DEBIAN := poppler-utils ghostscript chromium default-jre-headless libpdfbox2-java libcommons-logging-java \
+	libbcprov-java libactivation-java libjaxb-api-java
+PREFLIGHT := /usr/share/java/preflight.jar
 
 .PHONY: plate test soak bench gallery clean
 
@@ -36,7 +38,7 @@ gallery: .venv/tested
 # Renderers that tests measure with. Where they cannot be installed, the tests that need them are reported as not run.
 .PHONY: tools-for-tests
 tools-for-tests:
-	@command -v pdftoppm gs chromium >/dev/null 2>&1 && [ $$(command -v pdftoppm gs chromium | wc -l) = 3 ] \
+	@[ $$(command -v pdftoppm gs chromium java | wc -l) = 4 ] && [ -e $(PREFLIGHT) ] \
 	|| { [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null && apt-get update -qq && \
 	     DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(DEBIAN) >/dev/null; } \
 	|| echo "NOT INSTALLED: some of $(DEBIAN); tests that render with them will be reported as not run"

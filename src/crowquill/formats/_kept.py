@@ -26,16 +26,16 @@ PACKET = """<?xpacket begin="\ufeff" id="W5M0MpCehiHzreSzNTczkc9d"?>
 <xmp:CreatorTool>crowquill</xmp:CreatorTool>
 <crowquill:recipe>{recipe}</crowquill:recipe>
 </rdf:Description>
-</rdf:RDF>
+{more}</rdf:RDF>
 </x:xmpmeta>
 <?xpacket end="w"?>
 """
 
 
-def keep(pdf: pikepdf.Pdf, sheet: Sheet, title: str) -> None:
-    """Puts the sheet's recipe and attached files into a PDF, without dates."""
+def keep(pdf: pikepdf.Pdf, sheet: Sheet, title: str, more: str = "") -> None:
+    """Puts the sheet's recipe and attached files into a PDF, without dates; `more` is what else its XMP says, as rdf:Descriptions."""
     text = json.dumps(dict(sheet.recipe), sort_keys=True)  # in ASCII, as SVG keeps it
-    packet = PACKET.format(space=SPACE, title=escape(title), recipe=escape(text))
+    packet = PACKET.format(space=SPACE, title=escape(title), recipe=escape(text), more=more)
     pdf.Root.Metadata = pdf.make_stream(packet.encode(), Type=pikepdf.Name.Metadata, Subtype=pikepdf.Name.XML)
     for name, contents in sheet.attached.items():
         pdf.attachments[name] = pikepdf.AttachedFileSpec(

@@ -1,24 +1,24 @@
-"""PDF at true size: one page, exact boxes, black as black ink alone, the same bytes each time."""
+"""PDF at true size: one page, exact boxes, black as black ink alone, spot inks by name, the same bytes each time."""
 
 from __future__ import annotations
 
 import hashlib
 import io
 import zlib
-from collections.abc import Sequence
 from decimal import Decimal
 from typing import Annotated, BinaryIO
 
 import pikepdf
 from reportlab.pdfgen.canvas import Canvas
 
-from crowquill.formats._dotfont import Font, resource, takes, typeset
 from crowquill.formats._kept import keep
 from crowquill.formats._kept import recipe as recipe  # a format's own reader
-from crowquill.formats._text import chunks, number, pdf_path
-from crowquill.knobs import Flag
-from crowquill.sheet import Ink, Sheet
-from crowquill.units import POINT, UM
+from crowquill.formats._page import Page
+from crowquill.formats._pdfx import Standard, dated
+from crowquill.forme import Forme, locked
+from crowquill.knobs import Choice, Flag, Range, Text
+from crowquill.sheet import Sheet
+from crowquill.units import POINT
 
 KEEPS_FILES = True  # attached to a sheet
 
@@ -28,72 +28,91 @@ def write(
     file: BinaryIO,
     *,
     compact: Annotated[bool, Flag("dots as characters of a font: smaller, faster to show, not for editing")] = False,
+    bleed: Annotated[float, Range(0, 100, "mm", "room around the trimmed page for what is drawn over its edge")] = 0.0,
+    marks: Annotated[bool, Flag("crop and registration marks around the page, and the names of its inks")] = False,
+    colour_bar: Annotated[bool, Flag("patches of each ink below the page, full and in three tints")] = False,
+    pdfx: Annotated[str | None, Choice(("x1a", "x3", "x4"), "as PDF/X, which printers ask for")] = None,
+    pdfa: Annotated[bool, Flag("as PDF/A-1b, which archives ask for")] = False,
+    output_condition: Annotated[str | None, Text("what it is printed by, such as FOGRA39, for PDF/X")] = None,
+    icc: Annotated[str | None, Text("the press's profile, which PDF/X and PDF/A keep inside", file=True)] = None,
 ) -> None:
-    """The sheet as a PDF page whose MediaBox and TrimBox are its size; art as chunks of plain path operators.
+    """The sheet as a PDF page whose TrimBox is its size, and MediaBox too where nothing is around it.
 
-    compact  filled marks as characters of embedded fonts: a plate takes a tenth of the bytes and Poppler two thirds
-             of the time; editors take gigabytes, and on screens dark tones look lighter than they print
+    compact           filled marks as characters of embedded fonts: a plate takes a tenth of the bytes and Poppler two
+                      thirds of the time; editors take gigabytes, and on screens dark tones look lighter than they print
+    pdfx              x1a is PDF/X-1a:2001, x3 is PDF/X-3:2002, x4 is PDF/X-4; not together with pdfa
+    output_condition  a name of the ICC's registry, FOGRA39 if none is given; any other takes its profile in icc
+    icc               x4 and pdfa embed a profile; a drawing in black alone gets one made here, where none is given
 
-    Form XObjects were measured and left: they take Poppler minutes.
+    Form XObjects were measured and left: they take Poppler minutes. Raises ValueError for letters that a font lacks,
+    for what a standard has no room for, and what forme.inks raises.
     """
-    width, height = (side / POINT for side in sheet.size)
+    standard = Standard.of(pdfx, pdfa, output_condition, icc)
+    compose(locked(sheet, bleed=bleed, marks=marks, colour_bar=colour_bar), file, standard, compact=compact)
+
+
+def foresee(
+    _size: tuple[float, float], _dots: int, *, pdfx: str | None, pdfa: bool, output_condition: str | None, icc: str | None, **_: object
+) -> None:
+    """Raises the ValueError of standards that do not go together, and of a profile that cannot be used."""
+    Standard.of(pdfx, pdfa, output_condition, icc)
+
+
+def compose(forme: Forme, file: BinaryIO, standard: Standard | None = None, *, compact: bool = False) -> None:
+    """A sheet and the furniture around it as a PDF page; see `write`."""
+    standard, date = standard and standard.settled(forme), dated()
+    width, height = (side / POINT for side in forme.size)
     drawn = io.BytesIO()
     canvas = Canvas(drawn, pagesize=(width, height), invariant=1, pageCompression=0)
-    canvas.setTitle(f"crowquill {sheet.recipe.get('style', 'drawing')}")
+    canvas.setTitle(": ".join(part for part in (f"crowquill {forme.sheet.recipe.get('style', 'drawing')}", forme.plate) if part))
     canvas.setCreator("crowquill")
     canvas.setProducer("crowquill")
     canvas.setAuthor("")
     canvas.setSubject("")
-    um = UM / POINT
-    code = [f"{um:.12f} 0 0 {-um:.12f} 0 {height:.9f} cm"]
-    fonts: list[Font] = []
-    for layer in sheet.layers:
-        if compact and layer.ink.pen is None and takes(layer.art):
-            text, new = typeset(layer.art)
-            code.append(f"q\n{_colour(layer.ink)}\n{text}\nQ")
-            fonts += new
-            continue
-        paint = "f" if layer.ink.pen is None else "S"
-        code.append(f"q\n{_colour(layer.ink)}")
-        code += [f"q\n{pdf_path(paths)}{paint}\nQ" for paths in chunks(layer.art)]
-        code.append("Q")
-    canvas._code[:] = code  # in place of the library's own opening, which names a font that is not embedded
+    page = Page.of(forme, compact)
+    canvas._code[:] = page.code  # in place of the library's own opening, which names a font that is not embedded
     canvas._preamble = ""
     canvas.showPage()
     canvas.save()
-    _finished(drawn, file, sheet, fonts)
+    _finished(drawn, file, forme, page, standard, date)
 
 
-def _colour(ink: Ink) -> str:
-    """The operators that choose the ink; grey is the black plate alone, which RGB black is not."""
-    fill, stroke = ("g", "G") if ink.cmyk[:3] == (0, 0, 0) else ("k", "K")
-    shares = number(1 - ink.cmyk[3], 4) if fill == "g" else " ".join(number(share, 4) for share in ink.cmyk)
-    if ink.pen is None:
-        return f"{shares} {fill}"
-    return f"{shares} {stroke} {number(ink.pen * 1000)} w 1 J 1 j"
-
-
-def _finished(drawn: io.BytesIO, file: BinaryIO, sheet: Sheet, fonts: Sequence[Font]) -> None:
-    """The library's file with exact boxes, the recipe, a file ID, no unused font and no empty transition."""
-    width, height = (side / POINT for side in sheet.size)
+def _finished(drawn: io.BytesIO, file: BinaryIO, forme: Forme, page: Page, standard: Standard | None, date: int) -> None:
+    """The library's file with exact boxes, resources, the recipe, a file ID, and no empty transition."""
     drawn.seek(0)
     with pikepdf.open(drawn) as pdf:
-        page = pdf.pages[0]
-        box = [Decimal(0), Decimal(0), round(Decimal(width), 9), round(Decimal(height), 9)]
-        for name in ("/MediaBox", "/TrimBox"):
-            page.obj[name] = pikepdf.Array(box)
-        page.obj["/Resources"] = pikepdf.Dictionary(ProcSet=pikepdf.Array([pikepdf.Name.PDF]))
-        if fonts:
-            page.obj.Resources.ProcSet.append(pikepdf.Name.Text)
-            page.obj.Resources.Font = pikepdf.Dictionary({f"/{font.key}": resource(pdf, font) for font in fonts})
-        del page.obj["/Trans"]
+        made = pdf.pages[0].obj
+        for name, box in _boxes(forme).items():
+            made[f"/{name}"] = pikepdf.Array(box)
+        made["/Resources"] = page.resources(pdf)
+        del made["/Trans"]
         for name in ("/Author", "/Subject", "/Keywords"):
             if name in pdf.docinfo:
                 del pdf.docinfo[name]
-        content = page.Contents.read_bytes()
+        content = pdf.pages[0].Contents.read_bytes()
         # 9 takes four times as long for 5 % less; the library's own level is one for all of a program
-        page.obj["/Contents"] = pdf.make_stream(zlib.compress(content, 4), Filter=pikepdf.Name.FlateDecode)
-        keep(pdf, sheet, str(pdf.docinfo["/Title"]))
+        made["/Contents"] = pdf.make_stream(zlib.compress(content, 4), Filter=pikepdf.Name.FlateDecode)
         digest = hashlib.md5(content, usedforsecurity=False).digest()
+        keep(pdf, forme.sheet, str(pdf.docinfo["/Title"]), standard.said(digest, date) if standard else "")
+        if standard:
+            standard.put(pdf, date)
         pdf.trailer["/ID"] = pikepdf.Array([digest, digest])  # one of its own for each drawing
-        pdf.save(file, deterministic_id=True)
+        pdf.save(
+            file,
+            deterministic_id=True,
+            force_version=standard.kind.version if standard else "",
+            fix_metadata_version=False,  # the packet stays as it is written: PDF/A's checkers are particular
+            object_stream_mode=pikepdf.ObjectStreamMode.disable,  # newer than PDF 1.3
+        )
+
+
+def _boxes(forme: Forme) -> dict[str, list[Decimal]]:
+    """The page's boxes in points. No CropBox: who opens the file sees the marks; no BleedBox where it would be the page."""
+
+    def box(out: float) -> list[Decimal]:
+        low = forme.slug - out
+        edges = (low, low, *(side - low for side in forme.size))
+        return [round(Decimal(edge / POINT), 9) for edge in edges]
+
+    boxes = {"MediaBox": box(forme.slug), "TrimBox": box(0.0)}
+    return boxes | ({"BleedBox": box(forme.bleed)} if forme.slug else {})
