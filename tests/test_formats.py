@@ -173,7 +173,7 @@ def test_a_hole_goes_into_the_element_of_its_outline(monkeypatch):
     monkeypatch.setattr(_text, "POINTS", 6)
     square = np.array([(0, 0), (3, 0), (3, 3), (0, 3)])
     hole = np.array([(1, 1), (1, 2), (2, 2), (2, 1)])
-    rings = Paths.of([ring + (4 * k, 0) for k in range(5) for ring in (square, hole)])
+    rings = Paths.of([np.add(ring, (4 * k, 0)) for k in range(5) for ring in (square, hole)])
     parts = list(_text.chunks(rings))
     assert len(parts) > 1
     assert all(part.areas.tolist() == [9, -1] * (len(part) // 2) for part in parts)

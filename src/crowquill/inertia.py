@@ -69,7 +69,8 @@ def crosses(xy: Array, angle: Array, reach: Array) -> Paths:
 
 def drawn(paths: Paths) -> shapely.Geometry:
     """The outlines as one shapely MultiLineString."""
-    return shapely.multilinestrings([np.concatenate([path, path[:1]]) if paths.closed else path for path in paths if len(path) > 1])
+    lines = [np.concatenate([path, path[:1]]) if paths.closed else path for path in paths if len(path) > 1]
+    return shapely.multilinestrings([shapely.LineString(line) for line in lines])
 
 
 def long_axis(lines: shapely.Geometry, covariance: Array) -> float:
