@@ -275,3 +275,17 @@ def test_a_site_without_a_cell_keeps_its_number() -> None:
 def test_sites_that_are_no_points_are_refused(sites: list) -> None:
     with pytest.raises(ValueError, match="sites has"):
         voronoi(sites, BOX)
+
+
+@pytest.mark.parametrize("across", [3.0, 1e-9], ids=["all over", "in a column"])
+def test_an_outline_of_many_corners_cuts_like_any_other(monkeypatch: pytest.MonkeyPatch, across: float) -> None:
+    turn = np.linspace(0, 2 * np.pi, 4000, endpoint=False)
+    reach = 0.9 + 0.05 * np.sin(60 * turn)
+    canvas = shapely.Polygon(np.stack([1.5 + 1.6 * reach * np.cos(turn), 1 + reach * np.sin(turn)], axis=1))
+    sites = np.random.default_rng(5).random((3000, 2)) * (across, 2) + (1.5 - across / 2, 0)
+    cut = voronoi(sites, canvas)
+    monkeypatch.setattr("crowquill.cells.MANY", np.inf)
+    plain = voronoi(sites, canvas)
+    assert shapely.area(canvas) == pytest.approx(cut.rings.areas.sum(), rel=1e-12)
+    assert np.array_equal(cut.owner, plain.owner)
+    np.testing.assert_allclose(cut.rings.areas, plain.rings.areas, rtol=1e-9, atol=1e-14)  # corners round at 1e-16

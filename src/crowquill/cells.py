@@ -15,6 +15,8 @@ from crowquill.paths import Array, Index, Paths, frozen
 from crowquill.tone import touched
 
 NEAR = 1e-9  # of the canvas: pieces this close touch; clipping rounds at 1e-16
+TINY = np.finfo(float).tiny
+MANY = 500  # corners of an outline, and cells it may cut, from which on it is cut to pieces first
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +88,7 @@ def _clipped(sites: Array, net: Net, rings: Paths, canvas: shapely.Geometry) -> 
     polygons = rings.take(cut).polygons()
     sound = shapely.is_valid(polygons)
     polygons[~sound] = shapely.convex_hull(polygons[~sound])  # a cell is convex: only rounding can have crossed it
-    pieces, cell = shapely.get_parts(shapely.intersection(polygons, canvas), return_index=True)
+    pieces, cell = shapely.get_parts(_inside(polygons, canvas), return_index=True)
     areal = shapely.area(pieces) > 0
     pieces, cell = pieces[areal], cut[cell[areal]]
     if len(np.unique(cell)) < len(cell):
@@ -98,6 +100,26 @@ def _clipped(sites: Array, net: Net, rings: Paths, canvas: shapely.Geometry) -> 
     order = np.argsort(owner, kind="stable")
     source = np.concatenate([whole, np.arange(len(rings), len(every))])[order]
     return Cells(sites, every.take(source), unique[owner[order]], canvas, net)
+
+
+def _inside(polygons: npt.NDArray[np.object_], canvas: shapely.Geometry) -> npt.NDArray[np.object_]:
+    """The part of each polygon that lies in the canvas.
+
+    An outline of many corners is first cut to the room of some polygons at a time: it would be walked whole for each of them.
+    """
+    if min(shapely.get_num_coordinates(canvas), len(polygons)) < MANY:
+        return np.asarray(shapely.intersection(polygons, canvas))
+    low, high = np.split(shapely.bounds(polygons), 2, axis=1)
+    place = (low + high) / 2
+    side = int(np.ceil(np.sqrt(len(polygons)) / 4))
+    tile = np.minimum(side - 1, side * (place - place.min(axis=0)) // np.maximum(np.ptp(place, axis=0), TINY)).astype(np.int64)
+    _, tile = np.unique(tile @ (side, 1), return_inverse=True)
+    least, most = np.full((tile.max() + 1, 2), np.inf), np.full((tile.max() + 1, 2), -np.inf)
+    np.minimum.at(least, tile, low)
+    np.maximum.at(most, tile, high)
+    margin = 0.01 * (most - least)  # no side of the room runs along a polygon
+    rooms = shapely.box(*(least - margin).T, *(most + margin).T)
+    return np.asarray(shapely.intersection(polygons, shapely.intersection(rooms, canvas)[tile]))
 
 
 def _may_be_cut(rings: Paths, canvas: shapely.Geometry, sites: Array) -> npt.NDArray[np.bool_]:
