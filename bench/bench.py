@@ -21,7 +21,8 @@ import shapely
 from scipy.spatial import Delaunay
 
 import crowquill
-from crowquill import cells, hilbert, judge, moments, route, seen
+from crowquill import cells, halftone, hilbert, judge, moments, relax, route, seen
+from crowquill.objects import Objects, Shape
 from crowquill.paths import Paths
 from crowquill.tone import Tone
 
@@ -85,6 +86,8 @@ def main(quick: bool) -> None:
     told = seconds(lambda: subprocess.run([program, "--help"], check=True, stdout=subprocess.DEVNULL))
     row("python -c 'import numpy'", bare, d)
     row("crowquill --help", told, d, f"{told[0] / bare[0]:.2f} times import numpy; bar 2")
+    halftoned(d)
+    settled(small, d)
     judged(d)
     routed(d)
     if not quick:
@@ -107,6 +110,35 @@ def plates(d: float, program: str) -> None:
         specimen = str(Path(__file__).parent.parent / "gallery" / "specimen.png")
         taken, _ = process(program, "stipple", specimen, *out, "--quiet", folder=f"{folder}/cache", fresh=True)
         row("first drawing ever: the specimen's plate, compiling all", (taken, taken, 0.0), d, "bar 60 D")
+
+
+def halftoned(d: float) -> None:
+    """Black and white of 16 Mpx, and Pillow's own Floyd-Steinberg of the same."""
+    from PIL import Image
+
+    levels = np.round(255 * shaded(4000)).astype(np.uint8)
+    theirs = seconds(partial(Image.fromarray(255 - levels).convert, "1"), 3)
+    row("Pillow convert('1'), 16 Mpx", theirs, d)
+    for method in ("floyd-steinberg", "ostromoukhov"):
+        ours = seconds(partial(halftone.halftoned, levels, method), 3)
+        row(f"halftoned, {method}, 16 Mpx", ours, d, f"{ours[0] / theirs[0]:.2f} times Pillow; bar 3")
+
+
+def settled(tone: Tone, d: float) -> None:
+    """A step of 10 000 objects beside one of Lloyd's on as many points as they have samples."""
+    rng = np.random.default_rng(0)
+    line, box = [(0, 0), (0.8, 0)], [(0, 0), (0.6, 0), (0.6, 0.3), (0, 0.3)]
+    shapes = (Shape.of(Paths.of([line], closed=False)), Shape.of(Paths.of([box])))
+    xy = rng.random((10_000, 2)) * 100
+    many = Objects.of(xy[hilbert.of_points(xy)], shapes, angle=6 * rng.random(len(xy)), shape=rng.integers(0, 2, len(xy)))
+    states = relax.settle(many, tone)
+    k = len(next(states).owner)
+    points = rng.random((k, 2)) * 100
+    others = relax.lloyd(points[hilbert.of_points(points)], tone)
+    theirs = seconds(lambda: next(others))
+    ours = seconds(lambda: next(states))
+    row(f"relax.lloyd, {k} points, a step", theirs, d)
+    row(f"relax.settle, 10 000 objects of {k} samples, a step", ours, d, f"{ours[0] / theirs[0]:.2f} times Lloyd; bar 8")
 
 
 def routed(d: float) -> None:

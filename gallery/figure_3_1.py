@@ -1,28 +1,37 @@
-"""How a photograph was screened: a first line screen, a second, the dots of both together, and a halftone of round dots.
+"""How photographs were screened: a first line screen, a second, the dots of both together, and a halftone of round dots.
 
-All four have the ink of the picture. Above, lines 0.9 mm apart swell with the tone; below, on the left, ink is where the mean
-of the two screens is below it, and on the right each dot has the ink of its own square.
-Size on paper: 180 x 194 mm, four panels of 80 x 87 mm.
-Source: G. Meisenbach, patent DE 22244, 1882; specimen.png is rendered by tools/specimen.py.
+Lines and dots 0.8 mm apart swell with the tone; both screens together leave ink where their mean is below it. Beneath stand the
+errors of tone: the root mean square of what squares of 1.6 mm are off.
+Size on paper: 202 x 122 mm, panels 44 mm wide.
+Source: G. Meisenbach, patent DE 22244, 1882; specimen.png is rendered by tools/specimen.py; camera by L. Varshney, CC0.
 """
 
 from pathlib import Path
 
+import numpy as np
+from skimage.data import camera
+
 from crowquill import Ink, Layer, Sheet, Tone, draw, save
+from crowquill.halftone.averages import averaged
+from crowquill.lettering import Words
+from crowquill.seen import of_sheet
+from crowquill.sheet import shifted
 
 
 def make() -> Sheet:
-    tone = Tone.load(Path(__file__).with_name("specimen.png"), width=80)
-    right, down = 88, tone.size[1] + 8
-    art = [
-        draw("screen", tone, pitch=0.9, angles=(30,)).layers[0].art,
-        draw("screen", tone, pitch=0.9, angles=(-60,)).layers[0].art.moved(((1, 0), (0, 1)), (right, 0)),
-        draw("screen", tone, pitch=0.9, angles=(30, -60), combine="mean").layers[0].art.moved(((1, 0), (0, 1)), (0, down)),
-        draw("dots", tone, pitch=0.9, angle=30).layers[0].art.moved((right, down)),
-    ]
-    names = ("first line screen", "second line screen", "both together", "round dots")
-    layers = tuple(Layer(Ink(), part, name) for part, name in zip(art, names, strict=True))
-    return Sheet((168, down + tone.size[1]), layers).on((180, down + tone.size[1] + 12), margin=6)
+    specimen = Tone.load(Path(__file__).with_name("specimen.png"), width=44)
+    lines = [{"angles": (30,)}, {"angles": (-60,)}, {"angles": (30, -60), "combine": "mean"}]
+    ways = [*(("screen", more) for more in lines), ("dots", {})]
+    layers, said = [], []
+    for top, tone in ((8, specimen), (66, Tone.load(1 - camera() / 255, width=44))):
+        h, w = tone.coverage.shape
+        for k, (style, knobs) in enumerate(ways):
+            sheet = draw(style, tone, pitch=0.8, **knobs)
+            cover, _ = of_sheet(sheet).coverage(1.6)
+            asked = averaged(tone.coverage, *(np.linspace(0, n, m + 1) for n, m in ((w, cover.shape[1]), (h, cover.shape[0]))))
+            layers.append(Layer(Ink(), shifted(sheet.layers[0].art, np.array([8 + 47.5 * k, top])), style))
+            said.append((f"{np.sqrt(np.mean((cover - asked) ** 2)):.3f}", 8 + 47.5 * k, top + tone.size[1] + 4))
+    return Sheet((202, 122), (*layers, Layer(Ink(), Words.of(said, size=2.6), "errors of tone")))
 
 
 if __name__ == "__main__":

@@ -14,13 +14,15 @@ import pytest
 from PIL import Image
 from pypdfium2 import PdfDocument
 
-from crowquill import Ink, Layer, Marks, Paths, Sheet, load, to_bytes
+from crowquill import Ink, Layer, Paths, Sheet, load, to_bytes
+from crowquill.sheet import Bitmap, outlined
 from crowquill.units import POINT, paper
 
 GALLERY = Path(__file__).resolve().parents[1] / "gallery"
 SCRIPTS = sorted(GALLERY.glob("*.py"))
-SMALLER = {"plate": {"width": 50.0}, "sizes": {"width": 50.0}}  # mm; at their own they take ten seconds
-COLOURED = {"measures", "plotter"}
+# at their own sizes, in mm, they take ten seconds and more
+SMALLER = {"plate": {"width": 50.0}, "sizes": {"width": 50.0}, "duotone": {"width": 50.0}, "journal_plate": {"pen": 0.6}}
+COLOURED = {"measures", "plotter", "duotone"}
 KILOBYTES = {"plate": 900, "specimen": 2500}  # of a PNG; 400 for the others
 SAVED = """if __name__ == "__main__":
     out = Path(__file__).parent / "out" / Path(__file__).stem
@@ -47,9 +49,9 @@ def check_on_paper(sheet: Sheet) -> None:
     assert sheet.layers, "the sheet has no layers"
     for layer in sheet.layers:
         assert len(layer.art), f"layer {layer.label!r} is empty"
-        outlines = layer.art.outlines() if isinstance(layer.art, Marks) else layer.art
+        ends = [layer.art.corner, layer.art.corner + layer.art.size] if isinstance(layer.art, Bitmap) else outlined(layer.art).xy
         half = (layer.ink.pen or 0.0) / 2
-        low, high = outlines.xy.min(axis=0) - half, outlines.xy.max(axis=0) + half
+        low, high = np.min(ends, axis=0) - half, np.max(ends, axis=0) + half
         assert (low >= 0).all() and (high <= sheet.size).all(), f"layer {layer.label!r} runs from {low} to {high} on {sheet.size}"
 
 

@@ -20,23 +20,23 @@ LAYERS = """
 units kernel
 knobs
 paths
-hilbert halftone vector picture delaunay lettering marks
+hilbert halftone vector picture delaunay lettering marks hatching
 light
-tone tracing sheet
-cells glyphs raster
-moments measure
-spectrum quadrature texture likeness
-spacing
+tone tracing sheet curves
+cells glyphs raster forme scale plotforms
+trimming plots
+moments measure field layout contact
+spectrum quadrature texture likeness inertia tiles
+spacing objects parting tesserae
+settling shapes
 relax route
-stippling plots
-layout contact
-hatching
-plotforms
-plotting
+stippling screening laying greydots inkdots
+plotting finishing
 styles formats
-recipe seen
+recipe seen calibration
 making
-judge
+judge plate
+preflight
 figure
 __init__
 options
