@@ -1,7 +1,6 @@
 """How photographs were screened: a first line screen, a second, the dots of both together, and a halftone of round dots.
 
-Lines and dots 0.8 mm apart swell with the tone; both screens together leave ink where their mean is below it. Beneath stand the
-errors of tone: the root mean square of what squares of 1.6 mm are off.
+Beneath stand the errors of tone: the root mean square of what squares of 1.6 mm are off. All rulings are 0.8 mm.
 Size on paper: 202 x 122 mm, panels 44 mm wide.
 Source: G. Meisenbach, patent DE 22244, 1882; specimen.png is rendered by tools/specimen.py; camera by L. Varshney, CC0.
 """
@@ -20,15 +19,15 @@ from crowquill.sheet import shifted
 
 def make() -> Sheet:
     specimen = Tone.load(Path(__file__).with_name("specimen.png"), width=44)
-    lines = [{"angles": (30,)}, {"angles": (-60,)}, {"angles": (30, -60), "combine": "mean"}]
-    ways = [*(("screen", more) for more in lines), ("dots", {})]
+    both = {"angles": (30, -60), "combine": "mean"}
+    ways = [("screen", {"angles": (30,)}), ("screen", {"angles": (-60,)}), ("screen", both), ("dots", {})]
     layers, said = [], []
     for top, tone in ((8, specimen), (66, Tone.load(1 - camera() / 255, width=44))):
         h, w = tone.coverage.shape
         for k, (style, knobs) in enumerate(ways):
             sheet = draw(style, tone, pitch=0.8, **knobs)
             cover, _ = of_sheet(sheet).coverage(1.6)
-            asked = averaged(tone.coverage, *(np.linspace(0, n, m + 1) for n, m in ((w, cover.shape[1]), (h, cover.shape[0]))))
+            asked = averaged(tone.coverage, np.linspace(0, w, cover.shape[1] + 1), np.linspace(0, h, len(cover) + 1))
             layers.append(Layer(Ink(), shifted(sheet.layers[0].art, np.array([8 + 47.5 * k, top])), style))
             said.append((f"{np.sqrt(np.mean((cover - asked) ** 2)):.3f}", 8 + 47.5 * k, top + tone.size[1] + 4))
     return Sheet((202, 122), (*layers, Layer(Ink(), Words.of(said, size=2.6), "errors of tone")))
