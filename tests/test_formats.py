@@ -178,3 +178,7 @@ def test_a_hole_goes_into_the_element_of_its_outline(monkeypatch):
     assert len(parts) > 1
     assert all(part.areas.tolist() == [9, -1] * (len(part) // 2) for part in parts)
     assert np.array_equal(np.concatenate([part.xy for part in parts]), rings.xy)
+    turned = Paths.of([ring[::-1] for ring in rings])
+    assert all(part.areas.tolist() == [-9, 1] * (len(part) // 2) for part in _text.chunks(turned))
+    monkeypatch.setattr(_text, "POINTS", 1000)
+    assert len(list(_text.chunks(rings.take(np.arange(1, 10))))) == 1  # what is small is one, whatever comes first

@@ -143,4 +143,6 @@ def _letter(letter: str, font: str) -> tuple[list[Array], float]:
     glyph = glyphs[codes.get(ord(letter), ".notdef")]
     pen = Pen(glyphs)
     glyph.draw(pen)
-    return [np.array(ring) / (em, -em) for ring in pen.rings if len(ring) > 2], glyph.width / em
+    rings = [np.array(ring) / (em, -em) for ring in pen.rings if len(ring) > 2]
+    areas = np.abs(Paths.of(rings, cubic=True).areas)
+    return [rings[k] for k in np.argsort(-areas, kind="stable")], glyph.width / em  # holes behind their outlines

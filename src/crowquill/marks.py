@@ -1,4 +1,4 @@
-"""Glyphs and Marks: dots, and where they lie."""
+"""Glyphs and Marks: dots, what they take of the light, and where they lie."""
 
 from __future__ import annotations
 
@@ -15,15 +15,39 @@ TURN_STEPS = 65536  # angles are kept to this part of a turn: 1.4e-5 mm at the r
 
 
 @dataclass(frozen=True, eq=False)
+class Patch:
+    """A dot as it was scanned, as it lay on the page.
+
+    grey       (h, w) of the light taken, 0 (paper) to 1
+    pixel_mm   side of a pixel
+    centre_mm  (2,) the centroid of its outline, x and y from the patch's top left corner
+    turn       rad, where the long axis of its outline lies, from x towards y
+    """
+
+    grey: Array
+    pixel_mm: float
+    centre_mm: Array
+    turn: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "grey", frozen(self.grey, np.float64, (None, None), "grey"))
+        object.__setattr__(self, "centre_mm", frozen(self.centre_mm, np.float64, (2,), "centre_mm"))
+
+
+@dataclass(frozen=True, eq=False)
 class Glyph:
-    """The outline of a dot: one path of area 1, centroid 0 and long axis on x; `size` is its true diameter in mm."""
+    """The outline of a dot: one path of area 1, centroid 0 and long axis on x; `size` is its true diameter in mm.
+
+    `grey` is its scan, where it is to be drawn as that too.
+    """
 
     paths: Paths
     size: float
+    grey: Patch | None = None
 
     @classmethod
-    def of(cls, outline: Paths) -> Glyph:
-        """The unit glyph of a closed outline in mm, which may wind either way.
+    def of(cls, outline: Paths, grey: Patch | None = None) -> Glyph:
+        """The unit glyph of a closed outline in mm, which may wind either way, and its scan as it lay.
 
         Raises ValueError for an outline without area.
         """
@@ -41,7 +65,8 @@ class Glyph:
         points = unit.xy
         if m[0] < 0:  # the same ring the other way round; a cubic's controls trade places by it
             points = np.roll(points[::-1], 1, axis=0)
-        return cls(Paths(points, unit.start, True, outline.cubic), float(2 * np.sqrt(abs(m[0]) / np.pi)))
+        scan = replace(grey, turn=float(long)) if grey else None
+        return cls(Paths(points, unit.start, True, outline.cubic), float(2 * np.sqrt(abs(m[0]) / np.pi)), scan)
 
     @property
     def reach(self) -> float:

@@ -10,18 +10,20 @@ from itertools import pairwise
 import numpy as np
 import pikepdf
 
-from crowquill.formats import _dotfont, _letters
+from crowquill.formats import _bitmap, _dotfont, _letters
 from crowquill.formats._letters import Face
 from crowquill.formats._text import chunks, number, pdf_path
 from crowquill.forme import Forme, registers, shares
+from crowquill.greydots import scanned
 from crowquill.lettering import Words
 from crowquill.marks import Marks
 from crowquill.paths import Array, Paths
-from crowquill.sheet import Bitmap, Ink, Layer
-from crowquill.units import POINT, UM
+from crowquill.sheet import Bitmap, Ink, Layer, Sheet
+from crowquill.units import INCH, POINT, UM
 
 OVER = "Over"  # the graphics state in which inks overprint
 ALL = "All"  # the spot ink that is every plate
+GREY = "Grey"  # the image of grey dots
 
 
 @dataclass
@@ -34,18 +36,26 @@ class Page:
     dots: dict[str, _dotfont.Font] = field(default_factory=dict)
     spots: dict[str, Ink] = field(default_factory=dict)
     images: dict[str, Bitmap] = field(default_factory=dict)
+    grey: tuple[_bitmap.Page, bytes] | None = None
     overprints: bool = False
 
     @classmethod
-    def of(cls, forme: Forme, compact: bool) -> Page:
-        """The page of a sheet and what is around it; where there is more than the sheet, its art ends with the bleed."""
+    def of(cls, forme: Forme, compact: bool, grey_dots: bool = False) -> Page:
+        """The page of a sheet and what is around it; where there is more than the sheet, its art ends with the bleed.
+
+        grey_dots  dots that have scans, and all below them, are one image
+        """
         page = cls(_letters.faces(forme.layers), compact)
         um, out = UM / POINT, forme.slug
         page.code.append(f"{um:.12f} 0 0 {-um:.12f} {number(out / POINT, 9)} {(forme.size[1] - out) / POINT:.9f} cm")
         if forme.slug:
             low, (width, height) = -forme.bleed, (side + 2 * forme.bleed for side in forme.sheet.size)
             page.code.append("q\n" + " ".join(number(1000 * edge, 0) for edge in (low, low, width, height)) + " re W n")
-        for layer in forme.sheet.layers:
+        layers = forme.sheet.layers
+        grey = [k for k, layer in enumerate(layers, 1) if isinstance(layer.art, Marks) and scanned(layer.art)] if grey_dots else []
+        if grey:
+            page._greyed(Sheet(forme.sheet.size, layers[: grey[-1]]))
+        for layer in layers[max(grey, default=0) :]:
             page._add(layer)
         if forme.slug:
             page.code.append("Q")
@@ -62,10 +72,11 @@ class Page:
         kinds: dict[str, dict[str, pikepdf.Object]] = {
             "Font": fonts,
             "ColorSpace": {f"/{key}": _separation(ink) for key, ink in self.spots.items()},
-            "XObject": {f"/{key}": _mask(pdf, bitmap) for key, bitmap in self.images.items()},
+            "XObject": {f"/{key}": _mask(pdf, bitmap) for key, bitmap in self.images.items()}
+            | ({f"/{GREY}": _image(pdf, *self.grey)} if self.grey else {}),
             "ExtGState": {f"/{OVER}": pikepdf.Dictionary(Type=pikepdf.Name.ExtGState, OP=True, op=True, OPM=1)} if self.overprints else {},
         }
-        sets = ["/PDF", *(["/Text"] if fonts else []), *(["/ImageB"] if self.images else [])]
+        sets = ["/PDF", *(["/Text"] if fonts else []), *(["/ImageB"] if self.images or self.grey else [])]
         found = {f"/{kind}": pikepdf.Dictionary(named) for kind, named in kinds.items() if named}
         return pikepdf.Dictionary({"/ProcSet": pikepdf.Array([pikepdf.Name(name) for name in sets]), **found})
 
@@ -130,6 +141,24 @@ class Page:
             self.code.append(f"/{face.key} {number(1000 * size, 0)} Tf 1 0 0 -1 {place} Tm {face.shown(line)} TJ")
         self.code.append("ET")
 
+    def _greyed(self, sheet: Sheet) -> None:
+        """Layers as an image of grey pixels. It hides nothing, as it is the lowest, and needs no transparency, which old standards lack."""
+        try:
+            made = _bitmap.page(sheet, _bitmap.USUAL, bilevel=False)
+        except ValueError:
+            raise ValueError(
+                f"grey-dots make too many pixels of {_bitmap.USUAL:g} dpi of this sheet; leave it out, or draw smaller"
+            ) from None
+        if made.channels != 1:
+            raise ValueError(
+                "grey-dots in a PDF are grey, and there is ink with a colour among or below them; leave it out, or save a TIFF"
+            )
+        packer = zlib.compressobj(6)
+        parts = [packer.compress(rows.data) for rows in _bitmap.bands(sheet, made)]
+        self.grey = made, b"".join([*parts, packer.flush()])
+        width, height = (number(count * INCH / made.dpi, 9) for count in (made.width, made.height))
+        self.code.append(f"q\n1000 0 0 1000 0 0 cm\n{width} 0 0 -{height} 0 {height} cm\n/{GREY} Do\nQ")
+
     def _bitmap(self, bitmap: Bitmap) -> None:
         """Pixels as a mask that the ink is painted through; in mm, as PDF/A's fractions end at 32767."""
         key = next((key for key, known in self.images.items() if known is bitmap), f"Pixels{len(self.images) + 1}")
@@ -156,6 +185,20 @@ def _separation(ink: Ink) -> pikepdf.Array:
     tint = pikepdf.Dictionary({"/FunctionType": 2, "/Domain": [0, 1], "/N": 1, **{f"/{key}": value for key, value in look.items()}})
     space = pikepdf.Name.DeviceGray if every else pikepdf.Name.DeviceCMYK
     return pikepdf.Array([pikepdf.Name.Separation, pikepdf.Name(f"/{ALL if every else ink.name}"), space, tint])
+
+
+def _image(pdf: pikepdf.Pdf, made: _bitmap.Page, packed: bytes) -> pikepdf.Object:
+    """Grey pixels as an image, 255 is paper."""
+    return pdf.make_stream(
+        packed,
+        Type=pikepdf.Name.XObject,
+        Subtype=pikepdf.Name.Image,
+        Width=made.width,
+        Height=made.height,
+        ColorSpace=pikepdf.Name.DeviceGray,
+        BitsPerComponent=8,
+        Filter=pikepdf.Name.FlateDecode,
+    )
 
 
 def _mask(pdf: pikepdf.Pdf, bitmap: Bitmap) -> pikepdf.Object:

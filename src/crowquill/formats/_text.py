@@ -33,9 +33,10 @@ def chunks(art: Art) -> Iterator[Paths]:
     """
     if not isinstance(art, Marks):
         art = outlined(art)
-        heads = np.searchsorted(art.start, np.arange(0, len(art.xy), POINTS), side="left")
-        outer = np.flatnonzero(art.areas > 0) if art.closed else np.arange(0)
-        if len(outer):  # holes stay with the outlines before them
+        heads = np.searchsorted(art.start, np.arange(POINTS, len(art.xy), POINTS), side="left")
+        if art.closed and len(heads):  # holes stay with the outlines before them, which turn as the largest does
+            areas = art.areas
+            outer = np.flatnonzero(areas * areas[np.abs(areas).argmax()] > 0)
             heads = np.append(outer, len(art))[np.searchsorted(outer, heads)]
         for lo, hi in pairwise(np.unique([0, *heads, len(art)])):
             yield art.take(np.arange(lo, hi))

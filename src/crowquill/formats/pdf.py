@@ -11,6 +11,7 @@ from typing import Annotated, BinaryIO
 import pikepdf
 from reportlab.pdfgen.canvas import Canvas
 
+from crowquill.formats._bitmap import GREY_DOTS
 from crowquill.formats._kept import keep
 from crowquill.formats._kept import recipe as recipe  # a format's own reader
 from crowquill.formats._page import Page
@@ -35,6 +36,7 @@ def write(
     pdfa: Annotated[bool, Flag("as PDF/A-1b, which archives ask for")] = False,
     output_condition: Annotated[str | None, Text("what it is printed by, such as FOGRA39, for PDF/X")] = None,
     icc: Annotated[str | None, Text("the press's profile, which PDF/X and PDF/A keep inside", file=True)] = None,
+    grey_dots: Annotated[bool, Flag(GREY_DOTS)] = False,
 ) -> None:
     """The sheet as a PDF page whose TrimBox is its size, and MediaBox too where nothing is around it.
 
@@ -43,12 +45,13 @@ def write(
     pdfx              x1a is PDF/X-1a:2001, x3 is PDF/X-3:2002, x4 is PDF/X-4; not together with pdfa
     output_condition  a name of the ICC's registry, FOGRA39 if none is given; any other takes its profile in icc
     icc               x4 and pdfa embed a profile; a drawing in black alone gets one made here, where none is given
+    grey_dots         dots that have scans, and all below them, as one image of 600 dpi, in black and white ink alone
 
     Form XObjects were measured and left: they take Poppler minutes. Raises ValueError for letters that a font lacks,
     for what a standard has no room for, and what forme.inks raises.
     """
     standard = Standard.of(pdfx, pdfa, output_condition, icc)
-    compose(locked(sheet, bleed=bleed, marks=marks, colour_bar=colour_bar), file, standard, compact=compact)
+    compose(locked(sheet, bleed=bleed, marks=marks, colour_bar=colour_bar), file, standard, compact=compact, grey_dots=grey_dots)
 
 
 def foresee(
@@ -58,7 +61,7 @@ def foresee(
     Standard.of(pdfx, pdfa, output_condition, icc)
 
 
-def compose(forme: Forme, file: BinaryIO, standard: Standard | None = None, *, compact: bool = False) -> None:
+def compose(forme: Forme, file: BinaryIO, standard: Standard | None = None, *, compact: bool = False, grey_dots: bool = False) -> None:
     """A sheet and the furniture around it as a PDF page; see `write`."""
     standard, date = standard and standard.settled(forme), dated()
     width, height = (side / POINT for side in forme.size)
@@ -69,7 +72,7 @@ def compose(forme: Forme, file: BinaryIO, standard: Standard | None = None, *, c
     canvas.setProducer("crowquill")
     canvas.setAuthor("")
     canvas.setSubject("")
-    page = Page.of(forme, compact)
+    page = Page.of(forme, compact, grey_dots)
     canvas._code[:] = page.code  # in place of the library's own opening, which names a font that is not embedded
     canvas._preamble = ""
     canvas.showPage()

@@ -7,14 +7,14 @@ import binascii
 import json
 import os
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from crowquill.marks import Glyph
-from crowquill.paths import Array, frozen
+from crowquill.marks import Patch as Patch  # what a library keeps of each
 from crowquill.vector import contents, elements, local, shapes
 
 FOLDER = Path(__file__).parent
@@ -37,24 +37,6 @@ class Library:
         return float(own) if isinstance(own, (int, float)) and 0.01 <= own <= 50 else None
 
 
-@dataclass(frozen=True, eq=False)
-class Patch:
-    """A dot as it was scanned, as it lay on the page.
-
-    grey       (h, w) of the light taken, 0 (paper) to 1
-    pixel_mm   side of a pixel
-    centre_mm  (2,) the centroid of its outline, x and y from the patch's top left corner
-    """
-
-    grey: Array
-    pixel_mm: float
-    centre_mm: Array
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "grey", frozen(self.grey, np.float64, (None, None), "grey"))
-        object.__setattr__(self, "centre_mm", frozen(self.centre_mm, np.float64, (2,), "centre_mm"))
-
-
 def names() -> list[str]:
     """The libraries that come with the package, sorted."""
     return sorted(path.stem for path in FOLDER.glob("*.svg"))
@@ -66,8 +48,10 @@ def nearest(pen: float) -> str:
     return min(widths, key=lambda name: (max(widths[name] / pen, pen / widths[name]), -widths[name]))
 
 
-def load(source: str | os.PathLike[str]) -> Library:
+def load(source: str | os.PathLike[str], *, grey: bool = False) -> Library:
     """The library of a name from names(), or of an SVG file by its path.
+
+    grey  each glyph has its scan too, where the library keeps them; see `patches`
 
     Every shape of the file is a glyph, one closed outline at true size; it is made a
     unit glyph (area 1, centroid 0, long axis on x), and its true diameter kept. Raises ValueError
@@ -76,21 +60,24 @@ def load(source: str | os.PathLike[str]) -> Library:
     path = FOLDER / f"{source}.svg" if str(source) in names() else Path(source)
     if path.suffix.lower() != ".svg":
         raise ValueError(f"no glyph library {str(source)!r}; there are {', '.join(names())}, or the path of an SVG file")
-    return parsed(contents(path), str(source))
+    return parsed(contents(path), str(source), grey=grey)
 
 
-def parsed(data: bytes, name: str) -> Library:
+def parsed(data: bytes, name: str, *, grey: bool = False) -> Library:
     """The library in the bytes of an SVG file; errors call it `name`."""
     about = _metadata(data, name)
-    glyphs = []
+    glyphs, outlines = [], []
     for paths, shape in shapes(data, name)[1]:
         try:
-            glyphs.append(Glyph.of(paths.curved()))
+            outlines.append(paths.curved())
+            glyphs.append(Glyph.of(outlines[-1]))
         except ValueError as error:
             raise ValueError(f"{name}: path {str(shape.id or len(glyphs))[:40]!r} is no glyph: {error}") from None
     if not glyphs:
         raise ValueError(f"{name}: the file has no paths; a glyph library has one closed path a dot")
-    return Library(str(about.get("name", name)), tuple(glyphs), about)
+    library = Library(str(about.get("name", name)), tuple(glyphs), about)
+    scans = patches(library) if grey else ()
+    return replace(library, glyphs=tuple(map(Glyph.of, outlines, scans))) if scans else library
 
 
 def _metadata(data: bytes, name: str) -> dict[str, Any]:
