@@ -22,7 +22,7 @@ GALLERY = Path(__file__).resolve().parents[1] / "gallery"
 SCRIPTS = sorted(GALLERY.glob("*.py"))
 # at their own sizes, in mm, they take ten seconds and more
 SMALLER = {"plate": {"width": 50.0}, "sizes": {"width": 50.0}, "duotone": {"width": 50.0}, "journal_plate": {"pen": 0.6}}
-COLOURED = {"measures", "plotter", "duotone"}
+COLOURED = {"measures", "plotter", "duotone", "figure_3_12"}
 KILOBYTES = {"plate": 900, "specimen": 2500}  # of a PNG; 400 for the others
 SAVED = """if __name__ == "__main__":
     out = Path(__file__).parent / "out" / Path(__file__).stem

@@ -23,14 +23,14 @@ paths
 hilbert halftone vector picture delaunay lettering marks hatching
 light
 tone tracing sheet curves
-cells glyphs raster forme scale plotforms
+cells glyphs raster forme scale plotforms greydots
 trimming plots
 moments measure field layout contact
 spectrum quadrature texture likeness inertia tiles
 spacing objects parting tesserae
 settling shapes
 relax route
-stippling screening laying greydots inkdots
+stippling screening laying inkdots
 plotting finishing
 styles formats
 recipe seen calibration

@@ -12,7 +12,7 @@ from crowquill import to_bytes
 GALLERY = Path(__file__).resolve().parents[1] / "gallery"
 OVER = 4  # pixels are rendered this many times finer each way, then averaged
 STEP = 17  # between the 16 greys kept: dots are black or white, and only their edges are grey
-COLOURED = {"measures", "plotter", "duotone"}  # two drawings, strokes, ways and inks told apart; all else is black ink
+COLOURED = {"measures", "plotter", "duotone", "figure_3_12"}  # two drawings, strokes, ways and inks told apart; all else is black ink
 DETAIL = np.array([84, 181, 106, 96])  # mm cut off the plate's paper: left, bottom, right, top
 
 
