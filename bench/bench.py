@@ -88,6 +88,7 @@ def main(quick: bool) -> None:
     row("crowquill --help", told, d, f"{told[0] / bare[0]:.2f} times import numpy; bar 2")
     halftoned(d)
     settled(small, d)
+    mosaics(d)
     judged(d)
     routed(d)
     if not quick:
@@ -139,6 +140,14 @@ def settled(tone: Tone, d: float) -> None:
     ours = seconds(lambda: next(states))
     row(f"relax.lloyd, {k} points, a step", theirs, d)
     row(f"relax.settle, 10 000 objects of {k} samples, a step", ours, d, f"{ours[0] / theirs[0]:.2f} times Lloyd; bar 8")
+
+
+def mosaics(d: float) -> None:
+    """Mosaics of 20 000 stones around a disc."""
+    y, x = np.mgrid[0:1000, 0:1000] / 1000
+    tone = Tone(np.where(np.hypot(x - 0.5, y - 0.5) < 0.3, 0.7, 0.3), (180, 180))
+    for mode in ("hausner", "rows", "lloyd", "cells"):
+        row(f"mosaic {mode}, 20 000 stones", seconds(partial(crowquill.draw, "mosaic", tone, mode=mode, tiles=20_000), 1), d, "bar 120 D")
 
 
 def routed(d: float) -> None:
