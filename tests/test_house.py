@@ -77,6 +77,29 @@ def test_the_layer_check_sees_an_import_within_a_layer():
     assert breaches("styles", {"formats"}) == ["formats"]
 
 
+def rooms(table: str, known: set[str]) -> list[str]:
+    """The rooms of a table in its order: each line begins with their names, and words follow after two spaces and more."""
+    found = []
+    for line in table.strip().splitlines():
+        for word in line.split():
+            if word not in known or word in found:
+                break
+            found.append(word)
+    return found
+
+
+def test_the_architecture_has_the_rooms_in_the_order_of_their_layers():
+    page = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    told = rooms(page.split("```")[1], set(LAYERS.split()))
+    assert sorted(told) == sorted(LAYERS.split())
+    rank = {module: line for line, row in enumerate(LAYERS.split("\n")) for module in row.split()}
+    assert [rank[name] for name in told] == sorted(rank[name] for name in told)
+
+
+def test_a_room_that_is_missing_is_seen():
+    assert rooms("units  kernel   lengths", {"units", "kernel", "paths"}) == ["units", "kernel"]
+
+
 def run(*command: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, "-m", *command], cwd=ROOT, capture_output=True, text=True, check=False)
 
