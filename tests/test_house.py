@@ -30,7 +30,7 @@ spectrum quadrature texture likeness inertia tiles
 spacing objects parting tesserae
 settling shapes
 relax route
-stippling screening laying inkdots
+stippling screening laying inkdots exemplar
 plotting finishing
 styles formats
 recipe seen calibration

@@ -7,15 +7,17 @@ import json
 import os
 import sys
 import time
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from crowquill import formats, styles
 from crowquill.commands import note, plain, say
 from crowquill.formats import _plates
 from crowquill.sheet import Sheet, Step
+
+Found = TypeVar("Found")
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,10 @@ class Run:
         if asked.get("embed") and not any(hasattr(module, "KEEPS_FILES") for module in modules):
             raise ValueError(f"{self.out[0]}: keeps no picture inside; leave out --embed, or write an SVG or a PDF too")
         if self.plates:
-            formats.check([self.plates / "plates.pdf"])  # of the folder; what they are called is known once the inks are
+            if not self.plates.is_dir():
+                why = "is no folder; give one" if self.plates.exists() else "there is no such folder; make it first"
+                raise ValueError(f"{self.plates}: {why}")
+            formats.check([self.plates / "plates.pdf"])  # may be written to; what they are called is known once the inks are
         reports = [self.report] if self.report and str(self.report) != "-" else []
         formats.check([*self.out, *reports], overwrite=self.overwrite, sources=sources)
 
@@ -69,7 +74,7 @@ class Run:
 
     def done(self, work: styles.Work) -> Sheet:
         """The sheet of work run to its end, with a progress bar on a terminal."""
-        return styles.run(work) if self.quiet else _watched(work)
+        return styles.run(work) if self.quiet else watched(work)
 
     def write(self, sheet: Sheet, files: Mapping[str, Any], sources: Sequence[Path], said: Collection[str] = ()) -> int:
         """Writes all files of a sheet, or none, and says what came of it.
@@ -152,8 +157,8 @@ def silence() -> Iterator[None]:
         os.close(nothing)
 
 
-def _watched(work: styles.Work) -> Sheet:
-    """The sheet, with a progress bar on a terminal."""
+def watched(work: Generator[Step, None, Found]) -> Found:
+    """What work comes to, with a progress bar on a terminal."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Generator
 from dataclasses import replace
 from importlib.metadata import entry_points, version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from crowquill.knobs import Knob, checked, of, unknown
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from crowquill.tone import Tone
 
 Work = Generator["Step", None, "Sheet"]
+Found = TypeVar("Found")
 
 
 def names() -> list[str]:
@@ -81,13 +82,13 @@ def _recorded(name: str, tone: Tone, seed: int, chosen: dict[str, Any]) -> Work:
     return replace(sheet, recipe=recipe, report={**shared, **sheet.report})
 
 
-def run(work: Work, watch: Callable[[Step], None] | None = None) -> Sheet:
-    """The Sheet of work run to its end; `watch` sees each Step."""
+def run(work: Generator[Step, None, Found], watch: Callable[[Step], None] | None = None) -> Found:
+    """What work returns, a style's its Sheet, run to its end; `watch` sees each Step."""
     while True:
         try:
             step = next(work)
         except StopIteration as stop:
-            sheet: Sheet = stop.value
-            return sheet
+            found: Found = stop.value
+            return found
         if watch:
             watch(step)
