@@ -9,7 +9,7 @@ import pikepdf
 import pytest
 from drawings import marks
 from pikepdf import Dictionary, Name
-from presses import disc, faults, found, page, saved
+from presses import add, broken, disc, faults, found, page, saved, separation
 
 from crowquill import formats
 from crowquill.paths import Paths
@@ -140,10 +140,62 @@ def test_limits_are_where_they_say() -> None:
     assert ("min-line", WARNING) in faults(page("0.08 w 50 50 m 70 50 l S"))
 
 
+@pytest.mark.parametrize("least", [0.1, 0.3])
+def test_every_size_below_a_limit_is_in_one_row(least: float) -> None:
+    """Outlines are read to 0.002 mm, and so much below a limit its row begins."""
+    small = np.concatenate([np.linspace(0.4, 0.6, 41), np.linspace(0.9, 1.1, 11)]) * least + 1e-5
+    dots = "".join(disc(10 + 1.5 * k, 20, size) + "f " for k, size in enumerate(small))
+    lines = "".join(f"{size} w 10 {40 + k} m 30 {40 + k} l S " for k, size in enumerate(small))
+    rules = found(page(dots + lines), min_dot=least, min_line=least, min_gap=0.01)
+    errors, below = (int((small < limit - 0.002).sum()) for limit in (least / 2, least))
+    assert errors > 5 and below - errors > 20
+    for rule in ("min-dot", "min-line"):
+        assert {one.severity: int(one.message.split()[0]) for one in rules[rule]} == {ERROR: errors, WARNING: below - errors}
+
+
+def test_a_pen_without_width_is_an_error_whatever_the_limit() -> None:
+    assert ("min-line", ERROR) in faults(page("0 w 20 20 m 40 40 l S"), min_line=0.001)
+
+
 def test_half_size_counts_what_falls_below_the_limits() -> None:
     rows = "".join(disc(20 + 3 * k, 20, 0.15) for k in range(5)) + "".join(disc(20 + 3 * k, 40, 0.25) for k in range(7))
     (hit,) = found(page(rows + "f 0.15 w 20 60 m 50 60 l S"))["half-size"]
     assert hit.value == {"dots": 5, "lines": 1, "gaps": 0}
+
+
+def test_what_is_cut_off_is_not_measured() -> None:
+    """In mm from the left: the trim begins at 10, the bleed at 7; without a bleed box, all beyond the trim is cut off."""
+
+    def rules(code: str, *gone: str) -> set[str]:
+        def breaks(pdf: pikepdf.Pdf) -> None:
+            add(pdf, code, ColorSpace={"All": separation("All", 1, 1, 1, 1)})
+            for key in gone:
+                del pdf.pages[0].obj[key]
+
+        return {rule for rule, _ in faults(broken("x1a", breaks))} & {"min-dot", "min-line", "min-gap", "half-size"}
+
+    thin, fair, pair = "0.03 w {0} 50 m {0} 60 l S", "0.15 w {0} 50 m {0} 60 l S", "{0} 50 0.5 1 re {0} 51.05 0.5 1 re f"
+    for code, fault in ((thin, {"min-line"}), (fair, {"half-size"}), (pair, {"min-gap"})):
+        assert rules(code.format(3)) == set()
+        assert rules(code.format(8)) == rules(code.format(30)) == fault
+        assert rules(code.format(8), "/BleedBox") == set()
+        crop = "/All CS 1 SCN /All cs 1 scn " + code
+        assert rules(crop.format(8)) == set() and rules(crop.format(30)) == fault
+
+
+def test_a_bleed_inside_the_trim_hides_nothing_and_a_page_with_nothing_on_it_is_measured() -> None:
+    def breaks(pdf: pikepdf.Pdf) -> None:
+        add(pdf, "0.03 w 30 50 m 30 60 l S")
+        pdf.pages[0].obj.BleedBox = pikepdf.Array([200, 200, 300, 300])
+
+    assert {("boxes", ERROR), ("min-line", ERROR)} <= faults(broken("x1a", breaks))
+    assert faults(page("0.03 w -30 50 m -30 60 l S")) == set()
+
+
+def test_crop_marks_of_ours_are_not_measured() -> None:
+    sheet = Sheet((60, 60), (Layer(Ink(), Paths.of([np.array([[20.0, 20], [30, 20], [30, 30], [20, 30]])])),))
+    marked = formats.to_bytes(sheet, "pdf", pdfa=True, marks=True)
+    assert faults(marked) == set()
 
 
 def test_a_plate_says_the_same_as_svg_as_pdf_and_as_characters() -> None:

@@ -212,7 +212,7 @@ DOUBTFUL: list[tuple[str, Break, str]] = [
     ("x4", code(f"0 0 0 rg {BOX}", ColorSpace={"DefaultRGB": Array([Name.CalRGB, Dictionary(WhitePoint=[1, 1, 1])])}), "rgb-black"),
     ("plain", code("0.5 0.5 0.5 1 K 0.2 w 50 50 m 80 50 l S"), "black-lines"),
     ("plain", picture(Width=200), "resolution"),
-    ("plain", code("0 g 2 100 9 9 re f"), "safe-zone"),
+    ("x1a", code("0 g 12 100 9 9 re f"), "safe-zone"),
     ("plain", code("0 g -1 100 9 9 re f"), "bleed"),
     ("x1a", code("0 g 9 100 9 9 re f"), "bleed"),
 ]

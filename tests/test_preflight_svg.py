@@ -17,6 +17,7 @@ from crowquill.sheet import Ink, Layer, Sheet
 
 DOT = '<circle cx="50" cy="50" r="1"/>'
 SIZE = 'width="100mm" height="100mm" viewBox="0 0 100 100"'
+A5 = 'width="148mm" height="210mm" viewBox="0 0 148 210"'
 
 
 def drawing(body: str = DOT, size: str = SIZE) -> bytes:
@@ -43,7 +44,7 @@ BROKEN = [
     (drawing(DOT + "<text x='50' y='60'>a</text>"), "svg-text", WARNING),
     (drawing(DOT + picture(100)), "resolution", WARNING),
     (drawing(DOT + picture(400, "1")), "resolution", WARNING),
-    (drawing('<circle cx="99" cy="50" r=".5"/>'), "safe-zone", WARNING),
+    (drawing('<circle cx="147" cy="50" r=".5"/>', A5), "safe-zone", WARNING),
     (drawing('<circle cx="50" cy="50" r=".04"/>'), "min-dot", WARNING),
     (drawing('<path d="M40 50h9" stroke="#000" stroke-width=".03"/>'), "min-line", ERROR),
     (drawing(DOT + '<circle cx="52.05" cy="50" r="1"/>'), "min-gap", WARNING),
@@ -87,6 +88,20 @@ def test_elements_and_lengths_are_counted(monkeypatch: pytest.MonkeyPatch) -> No
 def test_a_large_file_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(side, "LARGE", 100)
     assert faults(drawing(), "plate.svg") == {("svg-file-size", WARNING)}
+
+
+def test_a_figure_that_is_no_paper_has_no_safe_zone_but_the_one_asked_for() -> None:
+    near = '<circle cx="99" cy="50" r=".5"/>'
+    assert faults(drawing(near), "plate.svg") == set()
+    assert faults(drawing(near), "plate.svg", safe=2.0) == {("safe-zone", WARNING)}
+    assert faults(drawing('<circle cx="147" cy="50" r=".5"/>', A5), "plate.svg", safe=0.0) == set()
+
+
+@pytest.mark.parametrize("far", ["1e40", "1e200", "9" * 40])
+def test_a_shape_that_is_nowhere_is_refused_in_one_line_with_the_name_of_the_file(far: str) -> None:
+    for body in (f'<circle cx="50" cy="50" r="{far}"/>', f'<path d="M1 2C3 4 5 6 {far} 7"/>'):
+        with pytest.raises(ValueError, match=r"^plate\.svg: a shape [^\n]+; [^\n]+$"):
+            faults(drawing(body), "plate.svg")
 
 
 def test_the_size_is_the_paper_asked_for() -> None:

@@ -120,6 +120,7 @@ def test_what_is_not_seen_or_not_a_shape_is_not_read(body: str) -> None:
 
 BOMB = '<!DOCTYPE svg [<!ENTITY a "3"><!ENTITY b "&a;&a;&a;&a;">]>'
 RECT = '<rect width="1" height="1"/>'
+TENFOLD = '<path id="a0"/>' + "".join(f'<g id="a{k + 1}">{f"""<use xlink:href="#a{k}"/>""" * 10}</g>' for k in range(7))
 BAD = {
     "empty": (b"", "not sound SVG"),
     "text": (b"a shell", "not sound SVG"),
@@ -131,7 +132,12 @@ BAD = {
     "an entity from a file": (b'<!DOCTYPE svg [<!ENTITY a SYSTEM "file:///etc/passwd">]>' + svg("<text>&a;</text>"), "declares entities"),
     "entities in UTF-16": (f'<?xml version="1.0" encoding="utf-16"?>{BOMB}{svg(RECT).decode()}'.encode("utf-16"), "entities"),
     "nested without end": (svg("<g>" * 300 + "</g>" * 300), "nested over 200 deep"),
-    "a copy of itself": (svg('<g id="a"><use xlink:href="#a"/></g>'), ""),
+    "a copy of itself": (svg('<g id="a"><use xlink:href="#a"/></g>'), "a <use> in it is a loop"),
+    "copies of copies": (svg(TENFOLD), "draws [0-9]+ elements, copies counted, over the limit of 1000000; "),
+    "a transform that is none": (
+        svg('<g transform="foo(1)"><rect width="1" height="1"/></g>'),
+        r"transform='foo\(1\)' is not a transform; ",
+    ),
     "a transform a number short": (svg('<rect width="1" height="1" transform="matrix(1 2)"/>'), ""),
     "a length that is none": (svg('<circle cx="9" cy="9" r="half"/>'), ""),
     "a length without end": (svg('<circle cx="9" cy="9" r="1e999"/>'), ""),

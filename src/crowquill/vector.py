@@ -19,6 +19,7 @@ from crowquill.units import INCH
 LIMIT = 512 * 2**20  # bytes; ten million dots of our own stay below
 DEPTH = 200  # nested elements
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+TRANSFORM = re.compile(r"\s*(?:none|(?:(?:matrix|translate|scale|rotate|skew)[XY]?\s*\([^()]*\)[\s,]*)*)", re.IGNORECASE)
 SHAPES = {"svg", "rect", "circle", "ellipse", "line", "polygon", "polyline", "path", "use"}
 UNDRAWN = {"symbol", "marker", "mask", "pattern", "clipPath"}  # drawn where others name them, not where they stand
 COPIES = 1_000_000
@@ -77,11 +78,12 @@ def local(element: Any) -> str:
     return str(element.tag).rsplit("}", 1)[-1]
 
 
-def shapes(data: bytes, name: str) -> tuple[tuple[float, float], list[tuple[Paths, Any]]]:
+def shapes(data: bytes, name: str, *, most: int = COPIES) -> tuple[tuple[float, float], list[tuple[Paths, Any]]]:
     """The page's size in mm, and each shape's subpaths as Paths with the shape itself, in drawing order.
 
     Groups' transforms are applied, arcs and quadratic curves become cubics, lines too where
     a shape has any curve. Open and closed subpaths come apart. Text, clips and pictures are not read.
+    Raises ValueError for lengths and transforms that are none, and for over `most` elements, copies by <use> counted.
     """
     import svgelements
 
@@ -91,8 +93,13 @@ def shapes(data: bytes, name: str) -> tuple[tuple[float, float], list[tuple[Path
             length = re.fullmatch(rf"\s*({NUMBER})\s*(mm|cm|in|pt|pc|px|%)?\s*", element.get(key))
             if not length or (key in SIZES and float(length[1]) < 0):
                 raise ValueError(f"{name}: {key}={element.get(key)[:40]!r} is not a length; mend it")
-    if _copies(every[0], {element.get("id"): element for element in every}, {}) > COPIES:
-        raise ValueError(f"{name}: its shapes are used over {COPIES} times; save it as plain SVG without copies")
+        transform = element.get("transform", "") if local(element) in SHAPES | {"g", "a", "switch"} else ""
+        if not TRANSFORM.fullmatch(transform):
+            raise ValueError(f"{name}: transform={transform[:40]!r} is not a transform; mend it")
+    if (count := _copies(every[0], {element.get("id"): element for element in every}, {})) > most:
+        if np.isinf(count):
+            raise ValueError(f"{name}: a <use> in it is a loop: it draws itself; mend it")
+        raise ValueError(f"{name}: draws {count:.0f} elements, copies counted, over the limit of {most}; save it with fewer")
     found: list[tuple[Paths, Any]] = []
     try:
         svg = svgelements.SVG.parse(io.BytesIO(_put_away(every)), ppi=96)

@@ -9,9 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from crowquill.preflight import contents, geometry, structure, svg
-from crowquill.preflight.document import Document, Page, held, opened
+from crowquill.preflight.document import Document, Page, held, opened, unsound
 from crowquill.preflight.rules import ERROR, INFORMATION, RULES, WARNING, Finding, Limits, Rule, run
 from crowquill.preflight.svg import opened as opened_svg
+from crowquill.preflight.values import told
 from crowquill.preflight.walker import page
 
 __all__ = ["ERROR", "INFORMATION", "RULES", "WARNING", "Checked", "Finding", "Limits", "Rule", "check"]
@@ -52,14 +53,15 @@ def check(data: bytes, name: str, limits: Limits | None = None, *, pdfx: str | N
 
 def _pdf(data: bytes, name: str, limits: Limits, pdfx: str | None, pdfa: bool) -> Checked:
     with opened(data, name) as pdf:
-        kinds = held(pdf, pdfx, pdfa)
-        pages = []
-        for number, one in enumerate(pdf.pages[:PAGES], 1):
-            sides, drawing, met = page(one, number)
-            pages.append(Page(number, one.obj, sides, drawing, met))
-        version = pdf.pdf_version
-        warnings = tuple(" ".join(str(text).split()) for text in pdf.get_warnings())
-        document = Document(name, pdf, len(data), version, tuple(pages), kinds, warnings)
+        try:
+            kinds = held(pdf, pdfx, pdfa)
+            pages = [Page(number, one.obj, *page(one, number)) for number, one in enumerate(pdf.pages[:PAGES], 1)]
+            warnings = tuple(told(text) for text in pdf.get_warnings())
+            document = Document(name, pdf, len(data), pdf.pdf_version, tuple(pages), kinds, warnings)
+        except MemoryError:
+            raise
+        except Exception as error:  # a file of anybody's may break in any way
+            raise unsound(name, error) from None
         findings = run("pdf", document, limits, kinds)
         for one_page in pages:
             findings += run("drawing", one_page.drawing, limits, kinds)

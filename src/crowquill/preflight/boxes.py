@@ -7,6 +7,7 @@ from typing import Any
 import pikepdf
 
 from crowquill.preflight.drawing import Box
+from crowquill.preflight.values import real
 from crowquill.units import POINT
 
 A4 = (0.0, 0.0, 595.276, 841.89)  # points
@@ -48,11 +49,3 @@ def _inherited(page: Any, name: str) -> Any:
         if not isinstance(page, pikepdf.Dictionary) or name not in ("/MediaBox", "/CropBox"):
             return None
     return None
-
-
-def real(value: Any, other: float) -> float:
-    """The number that a value is, or the other one."""
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        return other

@@ -10,6 +10,7 @@ import pikepdf
 
 from crowquill.preflight.document import TooLarge, unpacked
 from crowquill.preflight.drawing import Colour
+from crowquill.preflight.values import text
 
 PROCESS = ("Cyan", "Magenta", "Yellow", "Black")
 SHORT = {"G": "DeviceGray", "RGB": "DeviceRGB", "CMYK": "DeviceCMYK", "I": "Indexed"}
@@ -47,14 +48,14 @@ def space(found: Any, named: Any, depth: int = 0) -> Space | None:
     if depth > DEEP:
         return None
     if isinstance(found, pikepdf.Name):
-        name = SHORT.get(str(found)[1:], str(found)[1:])
+        name = SHORT.get(text(found)[1:], text(found)[1:])
         if name in SIZES and name not in ("CalGray", "CalRGB", "Lab"):
             return Space(name, SIZES[name])
-        inner = named.get(str(found)) if isinstance(named, pikepdf.Dictionary) else None
+        inner = named.get(found) if isinstance(named, pikepdf.Dictionary) else None
         return space(inner, named, depth + 1) if inner is not None else None
     if not isinstance(found, pikepdf.Array) or not len(found) or not isinstance(found[0], pikepdf.Name):
         return None
-    kind = SHORT.get(str(found[0])[1:], str(found[0])[1:])
+    kind = SHORT.get(text(found[0])[1:], text(found[0])[1:])
     if kind == "Pattern":
         return Space(kind, 0, base=space(found[1], named, depth + 1) if len(found) > 1 else None)
     if kind in SIZES:
@@ -77,7 +78,7 @@ def _deeper(kind: str, found: Any, named: Any, depth: int) -> Space | None:
     if kind in ("Separation", "DeviceN"):
         names = (found[1],) if kind == "Separation" else tuple(found[1])
         base = space(found[2], named, depth + 1)
-        spots = tuple(str(name)[1:] for name in names)
+        spots = tuple(text(name)[1:] for name in names)
         return Space(kind, len(spots), spots, base, tint=_tint(found[3], len(spots), base.n), mix=_mix(base, found[3])) if base else None
     return None
 

@@ -8,9 +8,10 @@ import numpy as np
 import pikepdf
 
 from crowquill.preflight.document import Document, Page, TooLarge, unpacked
-from crowquill.preflight.drawing import Box
+from crowquill.preflight.drawing import EVERY, Box
 from crowquill.preflight.rules import ERROR, WARNING, Hit, Limits, X, rule
 from crowquill.preflight.structure import INTENTS, strict
+from crowquill.preflight.values import text
 
 SHOWN = 3  # of a sort are named
 HARMLESS = {"/TrapNet", "/PrinterMark"}  # annotations that are the printer's own
@@ -52,7 +53,7 @@ def spaces(document: Document, _: Limits) -> Iterator[Hit]:
 def _output(document: Document) -> str | None:
     """The device space of the output intent: of its profile, or CMYK for a condition of the registry; None where that is not known."""
     kinds = {kind for kind, held in INTENTS.items() if document.held & set(held)}
-    found = [one for one in document.intents if str(one.get("/S", "")) in kinds]
+    found = [one for one in document.intents if text(one.get("/S")) in kinds]
     if not found:
         return None
     stream = found[0].get("/DestOutputProfile")
@@ -170,7 +171,7 @@ def registration(document: Document, _: Limits) -> Iterator[Hit]:
     """Registration colour, which is on every plate, is kept for marks outside the trim."""
     for page in document.pages:
         art, (left, top, right, bottom) = page.drawing.art, page.drawing.trim
-        every = np.array([one.space == "Separation All" and not one.white for one in art.colours] + [False])
+        every = np.array([one.space == EVERY and not one.white for one in art.colours] + [False])
         a, b, c, d = art.boxes.T
         shown = (every[art.fill] | every[art.stroke])[art.thing]
         count = int((shown & (a < right) & (c > left) & (b < bottom) & (d > top)).sum())

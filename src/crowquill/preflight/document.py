@@ -13,8 +13,9 @@ from xml.etree import ElementTree
 
 import pikepdf
 
-from crowquill.preflight.boxes import base, real, sides_of
+from crowquill.preflight.boxes import base, sides_of
 from crowquill.preflight.drawing import Box, Drawing
+from crowquill.preflight.values import real, text, told
 from crowquill.vector import LIMIT
 
 PDFX = "{http://www.npes.org/pdfx/ns/id/}GTS_PDFXVersion"
@@ -106,7 +107,7 @@ class Page:
                 box = one.get("/Rect")
                 sides = [real(side, 0.0) for side in box] if isinstance(box, pikepdf.Array) and len(box) == 4 else [0.0, 0.0, 0.0, 0.0]
                 x, y = sorted(a * side + e for side in sides[::2]), sorted(d * side + f for side in sides[1::2])
-                found.append((str(one.get("/Subtype", "/unknown")), (x[0], y[0], x[1], y[1])))
+                found.append((text(one.get("/Subtype")) or "/unknown", (x[0], y[0], x[1], y[1])))
         return found
 
 
@@ -133,13 +134,13 @@ class Document:
         info = self.pdf.trailer.get("/Info")
         if not isinstance(info, pikepdf.Dictionary):
             return {}
-        return {str(key): str(value) for key, value in info.items() if isinstance(value, (pikepdf.String, pikepdf.Name))}
+        return {key: text(info[key]) for key in info.keys() if isinstance(info[key], (pikepdf.String, pikepdf.Name))}  # noqa: SIM118
 
     @property
     def part(self) -> int:
         """The part of PDF/A that it claims, 1 where it claims none."""
-        text = self.said.get(PART, "1")
-        return int(text) if text in ("1", "2", "3", "4") else 1
+        said = self.said.get(PART, "1")
+        return int(said) if said in ("1", "2", "3", "4") else 1
 
     @property
     def intents(self) -> list[Any]:
@@ -179,17 +180,22 @@ def opened(data: bytes, name: str) -> pikepdf.Pdf:
     except pikepdf.PasswordError:
         raise ValueError(f"{name}: asks for a password; save it without one") from None
     except (pikepdf.PdfError, RuntimeError, LookupError, TypeError, AttributeError, ValueError) as error:
-        said = " ".join(str(error).split())[-100:] or type(error).__name__
-        raise ValueError(f"{name}: not a sound PDF ({said}); save it again") from None
+        raise unsound(name, error) from None
     return pdf
+
+
+def unsound(name: str, error: Exception) -> ValueError:
+    """The refusal of a file that cannot be read."""
+    return ValueError(f"{name}: not a sound PDF ({told(error)[-100:] or type(error).__name__}); save it again")
 
 
 def held(pdf: pikepdf.Pdf, pdfx: str | None, pdfa: bool) -> frozenset[str]:
     """What a file is held to: what is asked for, or else what it claims."""
     if pdfx or pdfa:
         return frozenset(([pdfx] if pdfx else []) + (["a"] if pdfa else []))
-    claims = [claim(pdf, xmp(pdf))]
-    return frozenset([kind for kind in claims if kind] + (["a"] if PART in xmp(pdf) else []))
+    said = xmp(pdf)
+    kind = claim(pdf, said)
+    return frozenset(([kind] if kind else []) + (["a"] if PART in said else []))
 
 
 def claim(pdf: pikepdf.Pdf, said: dict[str, str]) -> str | None:
@@ -197,7 +203,7 @@ def claim(pdf: pikepdf.Pdf, said: dict[str, str]) -> str | None:
     info = pdf.trailer.get("/Info")
     words = [said.get(PDFX, "")]
     if isinstance(info, pikepdf.Dictionary):
-        words.append(str(info.get("/GTS_PDFXVersion", "")))
+        words.append(text(info.get("/GTS_PDFXVersion")))
     for word in words:
         for family, kind in FAMILIES.items():
             if word.startswith(family):
@@ -225,8 +231,8 @@ def packings(stream: Any) -> list[str]:
     """The filters that a stream is packed by, the last one first."""
     found = stream.get("/Filter")
     if isinstance(found, pikepdf.Array):
-        return [str(one) for one in found]
-    return [] if found is None else [str(found)]
+        return [text(one) for one in found]
+    return [] if found is None else [text(found)]
 
 
 def _inflated(raw: bytes, limit: int) -> bytes:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from crowquill.paths import Array, Index, Paths
 
+EVERY = "Separation All"  # the colour of crop marks: on every plate, and no ink in the picture
+TRIM = 0.1  # mm that a page may differ from the paper asked for
 Box = tuple[float, float, float, float]  # left, top, right, bottom in mm
 DARK = 0.15  # of the light: RGB below it in all three is black to the eye
 BLACK = 0.85  # of a black ink: as dark
@@ -137,3 +140,24 @@ class Drawing:
     ink: float = 0.0
     page: Box | None = None
     screen: bool = False
+
+    @cached_property
+    def printed(self) -> Art:
+        """The art that is not cut off: without outlines wholly outside the bleed, and those of crop marks outside the trim."""
+        art = self.art
+        crop = np.array([one.space == EVERY for one in art.colours] + [False])
+        marks = (crop[art.fill] | (art.fill < 0)) & (crop[art.stroke] | (art.stroke < 0))
+        pen = np.where(art.stroke < 0, 0, art.pen / 2)[art.thing]
+        trim, bleed = np.array([self.trim]).T, np.array([self.bleed]).T
+        bleed = np.concatenate([np.minimum(trim, bleed)[:2], np.maximum(trim, bleed)[2:]])  # a broken one may be inside the trim
+        left, top, right, bottom = np.where(marks[art.thing], trim, bleed)
+        a, b, c, d = art.boxes.T
+        kept = np.flatnonzero((a - pen < right) & (c + pen > left) & (b - pen < bottom) & (d + pen > top))
+        if len(kept) == len(art):
+            return art
+        return replace(art, outlines=art.outlines.take(kept), area=art.area[kept], closed=art.closed[kept], thing=art.thing[kept])
+
+
+def same_paper(size: Sequence[float], paper: tuple[float, float]) -> bool:
+    """Whether a page of this size in mm is the paper within TRIM, upright or turned."""
+    return any(max(abs(size[0] - width), abs(size[1] - height)) <= TRIM for width, height in (paper, paper[::-1]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import logging
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,9 @@ from fontTools.ttLib import TTFont
 from crowquill.paths import Paths
 from crowquill.preflight.document import TooLarge, unpacked
 from crowquill.preflight.marks import shape
+from crowquill.preflight.values import text
+
+logging.getLogger("fontTools").addHandler(logging.NullHandler())  # what it says of odd fonts is no line on stderr
 
 PROGRAM = 64 * 2**20  # bytes of a font
 POINTS = 20_000  # of a character
@@ -47,14 +51,14 @@ class Font:
     """A font of a page. `name` is its own; `embedded`: whether its program is in the file; `procs`: the content of a Type 3 one."""
 
     def __init__(self, found: Any) -> None:
-        kind = str(found.get("/Subtype", ""))
+        kind = text(found.get("/Subtype"))
         inner = found
         if kind == "/Type0" and isinstance(found.get("/DescendantFonts"), pikepdf.Array) and len(found.DescendantFonts):
             inner = found.DescendantFonts[0]
         self.wide = kind == "/Type0"
         self.named = found
         self.inner = inner
-        self.name = str(found.get("/BaseFont", found.get("/Name", "/unnamed")))[1:]
+        self.name = (text(found.get("/BaseFont")) or text(found.get("/Name")) or "/unnamed")[1:]
         self.procs = found.get("/CharProcs") if kind == "/Type3" else None
         descriptor = inner.get("/FontDescriptor")
         self.files = {key: descriptor[key] for key in ("/FontFile", "/FontFile2", "/FontFile3") if key in descriptor} if descriptor else {}
@@ -65,11 +69,11 @@ class Font:
         self._glyphs: Any = None
         self._opened = False
 
-    def codes(self, text: bytes) -> list[int]:
+    def codes(self, shown: bytes) -> list[int]:
         """The codes of a string: two bytes each for composite fonts."""
         if not self.wide:
-            return list(text)
-        return [256 * text[k] + text[k + 1] for k in range(0, len(text) - 1, 2)]
+            return list(shown)
+        return [256 * shown[k] + shown[k + 1] for k in range(0, len(shown) - 1, 2)]
 
     def advance(self, code: int) -> float:
         """How far a character goes, in sizes of the font."""
@@ -153,7 +157,7 @@ class Font:
             at = 0
             for one in encoding.get("/Differences", []):
                 if isinstance(one, pikepdf.Name):
-                    names[at] = str(one)[1:]
+                    names[at] = text(one)[1:]
                     at += 1
                 else:
                     at = int(one)

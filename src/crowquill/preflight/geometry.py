@@ -7,22 +7,24 @@ from collections.abc import Iterator
 import numpy as np
 
 from crowquill.paths import Array
-from crowquill.preflight.drawing import Colour, Drawing
+from crowquill.preflight.drawing import EVERY, Colour, Drawing, same_paper
 from crowquill.preflight.marks import measured
 from crowquill.preflight.rules import ERROR, INFORMATION, WARNING, Hit, Limits, rule
+from crowquill.units import PAPERS
 
 SMALL = 12 * 25.4 / 72  # mm: text that is kept to one ink; a plate a tenth of a millimetre off shows in it
 THIN = 0.5  # mm: lines that are
 ON_EDGE = 0.05  # mm: art so near to the trim touches it
-EVERY = "Separation All"  # the colour of crop marks: on every plate, and no ink in the picture
+SAFE = 5.0  # mm inside the trim of a paper, which a knife may miss
 SLACK = 1e-6  # mm, of sums of floats: a dot of 0.1 mm passes at 0.1 mm
 READ = 0.002  # mm: outlines are measured so finely; a dot of a hair less than the limit is no fault
 
 
 def _smaller(sizes: Array, at: Array, least: float, what: str, drawing: Drawing) -> Iterator[Hit]:
     """An error for what is below half the limit, a warning for what is below it, each with how many and the smallest."""
-    for low, high, severity in ((-1.0, least / 2, ERROR), (least / 2, least, WARNING)):
-        found = np.flatnonzero((sizes >= low) & (sizes < high - READ))
+    half, whole = (max(limit - READ, SLACK) for limit in (least / 2, least))  # a hairline of 0 is below any limit
+    for below, high, severity in ((sizes < half, least / 2, ERROR), ((sizes >= half) & (sizes < whole), least, WARNING)):
+        found = np.flatnonzero(below)
         if len(found):
             worst = found[np.argmin(sizes[found])]
             place = f"{drawing.where}, {at[worst, 0]:.2f} {at[worst, 1]:.2f} mm"
@@ -33,21 +35,21 @@ def _smaller(sizes: Array, at: Array, least: float, what: str, drawing: Drawing)
 @rule("min-dot", WARNING, "drawing")
 def dots(drawing: Drawing, limits: Limits) -> Iterator[Hit]:
     """No dot is smaller than --min-dot; below half of it, it is an error."""
-    found = measured(drawing.art, 2 * limits.min_gap)
+    found = measured(drawing.printed, 2 * limits.min_gap)
     yield from _smaller(found.dots, found.dots_at, limits.min_dot, "dots", drawing)
 
 
 @rule("min-line", WARNING, "drawing")
 def lines(drawing: Drawing, limits: Limits) -> Iterator[Hit]:
     """No line, drawn or filled, is thinner than --min-line; below half of it, or as thin as a device can, it is an error."""
-    found = measured(drawing.art, 2 * limits.min_gap)
+    found = measured(drawing.printed, 2 * limits.min_gap)
     yield from _smaller(found.lines, found.lines_at, limits.min_line, "lines", drawing)
 
 
 @rule("min-gap", WARNING, "drawing")
 def gaps(drawing: Drawing, limits: Limits) -> Iterator[Hit]:
     """No white between marks is narrower than --min-gap, where ink runs together."""
-    found = measured(drawing.art, 2 * limits.min_gap)
+    found = measured(drawing.printed, 2 * limits.min_gap)
     narrow = np.flatnonzero(found.gaps < limits.min_gap - READ)
     if found.share < 1:
         yield Hit(drawing.where, f"gaps were measured about a sample of {found.share:.0%} of the marks", round(found.share, 4), INFORMATION)
@@ -65,7 +67,7 @@ def gaps(drawing: Drawing, limits: Limits) -> Iterator[Hit]:
 @rule("half-size", WARNING, "drawing")
 def half_size(drawing: Drawing, limits: Limits) -> Iterator[Hit]:
     """Printed at half its size, the drawing keeps its dots, lines and gaps above the limits."""
-    found = measured(drawing.art, 2 * limits.min_gap)
+    found = measured(drawing.printed, 2 * limits.min_gap)
     sorts = (("dots", found.dots, limits.min_dot), ("lines", found.lines, limits.min_line), ("gaps", found.gaps, limits.min_gap))
     lost = {name: int(((sizes >= least - READ) & (sizes / 2 < least - READ)).sum()) for name, sizes, least in sorts}
     if any(lost.values()):
@@ -172,15 +174,18 @@ def _sides(drawing: Drawing) -> Array:
 
 @rule("safe-zone", WARNING, "drawing")
 def safe_zone(drawing: Drawing, limits: Limits) -> Iterator[Hit]:
-    """Art that does not bleed stays --safe inside the trim, which a knife may miss."""
+    """Art that does not bleed stays --safe inside the trim, which a knife may miss; a figure is put on a page, and not cut."""
     sides, (left, top, right, bottom) = _sides(drawing), drawing.trim
-    inner = np.array([left, top, -right, -bottom]) + limits.safe
+    bleeds = max(abs(a - b) for a, b in zip(drawing.bleed, drawing.trim, strict=True)) > ON_EDGE
+    cut = bleeds or any(same_paper((right - left, bottom - top), paper) for paper in PAPERS.values())
+    safe = limits.safe if limits.safe is not None else SAFE * cut
+    inner = np.array([left, top, -right, -bottom]) + safe
     beyond = inner - sides * (1, 1, -1, -1) > SLACK
     outside = (sides[:, 2] <= left) | (sides[:, 0] >= right) | (sides[:, 3] <= top) | (sides[:, 1] >= bottom)
     bleeding = np.asarray(np.array([left, top, -right, -bottom]) - sides * (1, 1, -1, -1) >= -ON_EDGE).any(axis=1)
     count = int((beyond.any(axis=1) & ~outside & ~bleeding).sum())
     if count:
-        yield Hit(drawing.where, f"{count} marks lie within {limits.safe:g} mm of the trim", count)
+        yield Hit(drawing.where, f"{count} marks lie within {safe:g} mm of the trim", count)
 
 
 @rule("bleed", WARNING, "drawing")

@@ -15,6 +15,7 @@ from crowquill.preflight.document import TooLarge, unpacked
 from crowquill.preflight.drawing import Bitmap
 from crowquill.preflight.states import group
 from crowquill.preflight.tokens import TOKEN, value_of
+from crowquill.preflight.values import text
 from crowquill.units import INCH
 
 if TYPE_CHECKING:
@@ -29,13 +30,12 @@ END = re.compile(rb"[\x00\t\n\f\r ]EI(?=[\x00\t\n\f\r ]|$)")
 
 def drawn(walk: Walker, found: Any, resources: Any, name: str) -> None:
     """Draws a form or a bitmap."""
-    kind = str(found.get("/Subtype", ""))
-    for key in ("/OPI",):
-        if key in found:
-            walk.met.note("opi", f"{name} is to be replaced (OPI)")
+    kind = text(found.get("/Subtype"))
+    if "/OPI" in found:
+        walk.met.note("opi", f"{name} is to be replaced (OPI)")
     if "/OC" in found:
         walk.met.note("layers", name)
-    if kind == "/PS" or str(found.get("/Subtype2", "")) == "/PS":
+    if kind == "/PS" or text(found.get("/Subtype2")) == "/PS":
         walk.met.note("postscript", f"{name} is PostScript")
     elif kind == "/Image":
         _bitmap(walk, found, resources, name)

@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+from crowquill.preflight.values import told
+
 ERROR, WARNING, INFORMATION = "error", "warning", "information"
 KINDS = ("x1a", "x3", "x4", "a")  # what a PDF can be held to
 X = ("x1a", "x3", "x4")
@@ -36,8 +38,8 @@ class Finding:
 class Limits:
     """What a press bears; lengths in mm.
 
-    min_dot, min_gap and min_line warn below themselves, and are errors below their half. spots: None allows any ink. size: the
-    trim that is expected, None for any.
+    min_dot, min_gap and min_line warn below themselves, and are errors below their half. safe: None is 5 mm on a paper's size or
+    with a bleed, and else 0. spots: None allows any ink. size: the trim that is expected, None for any.
     """
 
     min_dot: float = 0.1
@@ -45,7 +47,7 @@ class Limits:
     min_line: float = 0.1
     min_text: float = 1.76  # of the font's size: 5 pt
     max_ink: float = 280.0  # percent
-    safe: float = 5.0
+    safe: float | None = None
     min_ppi: float = 300.0
     min_ppi_line: float = 600.0
     max_elements: int = 1_000_000
@@ -68,9 +70,13 @@ class Rule:
     check: Check = field(repr=False)
 
     def findings(self, subject: Any, limits: Limits) -> Iterator[Finding]:
-        """What it finds in the subject."""
-        for hit in self.check(subject, limits):
-            yield Finding(self.name, hit.severity or self.severity, hit.where, hit.message, hit.value)
+        """What it finds in the subject; where it fails, what it found until then, and that as an error."""
+        try:
+            for hit in self.check(subject, limits):
+                yield Finding(self.name, hit.severity or self.severity, hit.where, hit.message, hit.value)
+        except Exception as error:  # a file of anybody's may break a rule in any way
+            cause = f"{type(error).__name__}: {told(error)[:100]}"
+            yield Finding(self.name, ERROR, getattr(subject, "where", "file"), f"this rule could not look: {cause}")
 
 
 RULES: dict[str, Rule] = {}

@@ -8,6 +8,7 @@ import pikepdf
 
 from crowquill.preflight import operators as op
 from crowquill.preflight.document import Met
+from crowquill.preflight.values import real, text
 
 if TYPE_CHECKING:
     from crowquill.preflight.walker import Walker
@@ -31,7 +32,7 @@ def applied(walk: Walker, state: Any, name: str) -> None:
     if state.get("/SMask", pikepdf.Name("/None")) != pikepdf.Name("/None"):
         met.note("transparency", f"a soft mask in state {name}")
     blend = state.get("/BM")
-    modes = [str(mode) for mode in blend] if isinstance(blend, pikepdf.Array) else [str(blend)] if blend is not None else []
+    modes = [text(mode) for mode in blend] if isinstance(blend, pikepdf.Array) else [text(blend)] if blend is not None else []
     if any(mode not in BLENDS for mode in modes[:1]):
         met.note("transparency", f"blend mode {modes[0][1:]} in state {name}")
     if "/TR" in state or state.get("/TR2", pikepdf.Name.Default) != pikepdf.Name.Default:
@@ -56,6 +57,6 @@ def group(met: Met, found: Any) -> None:
         met.note("transparency", "a transparency group")
         blends = made.get("/CS")
         if blends is not None:
-            kind = str(blends[0] if isinstance(blends, pikepdf.Array) else blends)[1:]
-            n = str(blends[1].get("/N", "")) if kind == "ICCBased" and isinstance(blends[1], pikepdf.Stream) else ""
+            kind = text(blends[0] if isinstance(blends, pikepdf.Array) else blends)[1:]
+            n = f"{real(blends[1].get('/N'), 0):g}" if kind == "ICCBased" and isinstance(blends[1], pikepdf.Stream) else ""
             met.note("blends", {"ICCBased3": "DeviceRGB", "ICCBased4": "DeviceCMYK", "ICCBased1": "DeviceGray"}.get(kind + n, kind))

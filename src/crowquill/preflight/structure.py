@@ -8,12 +8,12 @@ from typing import Any
 import pikepdf
 
 from crowquill.preflight.document import LEVEL, PART, PDFX, Document, TooLarge, claim, packings, unpacked
-from crowquill.preflight.drawing import Box
+from crowquill.preflight.drawing import Box, same_paper
 from crowquill.preflight.rules import ERROR, INFORMATION, WARNING, Hit, Limits, X, rule
+from crowquill.preflight.values import real, text
 
 FILE = "file"
 SLACK = 0.01  # mm: boxes are written with two decimals of a point
-TRIM = 0.1  # mm that a trim may differ from the paper asked for
 NESTED = (("TrimBox", "BleedBox"), ("ArtBox", "BleedBox"), ("TrimBox", "MediaBox"), ("BleedBox", "MediaBox"), ("CropBox", "MediaBox"))
 VERSIONS = {"x1a": ("1.3", "1.4"), "x3": ("1.3", "1.4"), "x4": ("1.3", "1.4", "1.5", "1.6")}
 INTENTS = {"/GTS_PDFX": X, "/GTS_PDFA1": ("a",)}
@@ -106,9 +106,7 @@ def trim_size(document: Document, limits: Limits) -> Iterator[Hit]:
     for page in document.pages:
         left, top, right, bottom = page.drawing.trim
         size = (right - left, bottom - top)
-        if limits.size and not any(
-            max(abs(a - b) for a, b in zip(size, want, strict=True)) <= TRIM for want in (limits.size, limits.size[::-1])
-        ):
+        if limits.size and not same_paper(size, limits.size):
             wish = f"{limits.size[0]:g} x {limits.size[1]:g} mm"
             yield Hit(page.where, f"its trim is {size[0]:.2f} x {size[1]:.2f} mm, not {wish}", [round(side, 3) for side in size])
 
@@ -133,7 +131,7 @@ def intent(document: Document, _: Limits) -> Iterator[Hit]:
         if len(found) != 1 and not (kind == "/GTS_PDFA1" and not found and not _device(document)):
             yield Hit(FILE, f"{len(found) or 'no'} output intents {kind[1:]}, where there must be one", len(found))
         for one in found:
-            if not str(one.get("/OutputConditionIdentifier", "")).strip():
+            if not text(one.get("/OutputConditionIdentifier")).strip():
                 yield Hit(FILE, f"the output intent {kind[1:]} does not name its condition")
 
 
@@ -146,12 +144,12 @@ def _device(document: Document) -> bool:
 def profile(document: Document, _: Limits) -> Iterator[Hit]:
     """The intent's profile is of a printer, its colours agree with its number of channels, and it is there where it must be."""
     for one in document.intents:
-        kind = str(one.get("/S", ""))
+        kind = text(one.get("/S"))
         if not document.held & set(INTENTS.get(kind, ())):
             continue
         found = one.get("/DestOutputProfile")
         if not isinstance(found, pikepdf.Stream):
-            registered = str(one.get("/RegistryName", "")).rstrip("/") in REGISTRIES
+            registered = text(one.get("/RegistryName")).rstrip("/") in REGISTRIES
             if "a" in document.held and kind == "/GTS_PDFA1":
                 yield Hit(FILE, "PDF/A wants the intent's profile embedded")
             elif "x4" in document.held:
@@ -177,10 +175,10 @@ def _header(stream: Any, kind: str) -> Iterator[Hit]:
         yield Hit(
             FILE, f"the intent's profile is of class {head[12:16]!r}, neither a printer's nor a monitor's", head[12:16].decode("latin-1")
         )
-    channels = CHANNELS.get(head[16:20])
-    if channels != int(stream.get("/N", 0)):
+    channels, number = CHANNELS.get(head[16:20]), real(stream.get("/N"), 0.0)
+    if channels != number:
         said = head[16:20].decode("latin-1").strip()
-        yield Hit(FILE, f"the intent's profile is of {said}, and its N says {int(stream.get('/N', 0))} channels", channels)
+        yield Hit(FILE, f"the intent's profile is of {said}, and its N says {number:g} channels", channels)
 
 
 @rule("claim", ERROR, "pdf", *X, "a")
@@ -245,7 +243,7 @@ def info_xmp(document: Document, _: Limits) -> Iterator[Hit]:
 def file_id(document: Document, _: Limits) -> Iterator[Hit]:
     """The trailer has a file ID."""
     found = document.pdf.trailer.get("/ID")
-    if not isinstance(found, pikepdf.Array) or len(found) != 2 or not bytes(found[0]):
+    if not isinstance(found, pikepdf.Array) or len(found) != 2 or not isinstance(found[0], pikepdf.String) or not bytes(found[0]):
         yield Hit(FILE, "its trailer has no ID")
 
 
@@ -286,7 +284,7 @@ def actions(document: Document, _: Limits) -> Iterator[Hit]:
         if isinstance(one, pikepdf.Dictionary) and (
             kind in (pikepdf.Name.JavaScript, pikepdf.Name.Launch, pikepdf.Name.URI, pikepdf.Name.SubmitForm)
         ):
-            found.append(str(kind)[1:])
+            found.append(text(kind)[1:])
         if one.get("/Type") in (pikepdf.Name.Page, pikepdf.Name.Annot) and "/AA" in one:
             found.append("AA of a page")
     if found:

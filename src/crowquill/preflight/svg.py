@@ -15,13 +15,13 @@ from PIL import Image, UnidentifiedImageError
 
 from crowquill.formats import svg as own
 from crowquill.paths import Paths
-from crowquill.preflight.drawing import Art, Bitmap, Colour, Drawing
+from crowquill.preflight.drawing import Art, Bitmap, Colour, Drawing, same_paper
 from crowquill.preflight.operators import FLAT
 from crowquill.preflight.rules import ERROR, INFORMATION, WARNING, Hit, Limits, rule
 from crowquill.sheet import Bitmap as Pixels
 from crowquill.sheet import Ink, Sheet, outlined
 from crowquill.units import INCH
-from crowquill.vector import PX, elements, local, shapes
+from crowquill.vector import FURTHEST, PX, elements, local, shapes
 
 LONGEST = 10_000_000  # bytes of an attribute or a text that libxml2 reads
 LENGTH = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(mm|cm|in|pt|pc|px|%)?\s*")
@@ -52,12 +52,14 @@ def opened(data: bytes, name: str) -> Plate:
     Raises ValueError for what is no SVG, or has shapes that cannot be read.
     """
     every = list(elements(data, name))
-    sheet = _ours(data, name) if any("urn:crowquill:drawing" in str(one.tag) for one in every) else None
-    if sheet is not None:
-        size, found = sheet.size, list(_laid(sheet))
+    laid = _ours(data, name) if any("urn:crowquill:drawing" in str(one.tag) for one in every) else None
+    if laid is not None:
+        size, found = laid
     else:
         size, read = shapes(data, name)
         found = [(paths, *_painted(shape)) for paths, shape in read]
+    if not all((np.abs(paths.xy) < FURTHEST).all() for paths, *_ in found):
+        raise ValueError(f"{name}: a shape lies over {FURTHEST / 1e6:g} km away, or nowhere; mend its coordinates")
     counts = {kind: sum(local(one) == kind for one in every) for kind in UNREAD}
     page = (0.0, 0.0, float(size[0]), float(size[1]))
     bitmaps = tuple(_bitmaps(every, size))
@@ -78,14 +80,17 @@ def opened(data: bytes, name: str) -> Plate:
     return Plate(name, every, len(data), drawing)
 
 
-def _ours(data: bytes, name: str) -> Sheet | None:
-    """The sheet of a drawing of ours, None where its geometry is not what its table says, or it holds more than outlines in one ink."""
+def _ours(data: bytes, name: str) -> tuple[tuple[float, float], list[Shape]] | None:
+    """The size and the shapes of a drawing of ours.
+
+    None where its geometry is not what its table says, or it holds more than outlines in one ink.
+    """
     try:
         sheet = own.read(data, name)
+        plain = not any(isinstance(layer.art, Pixels) or layer.fill is not None for layer in sheet.layers)
+        return (sheet.size, list(_laid(sheet))) if plain and not sheet.report.get("warnings") else None
     except ValueError:
         return None
-    plain = not any(isinstance(layer.art, Pixels) or layer.fill is not None for layer in sheet.layers)
-    return sheet if plain and not sheet.report.get("warnings") else None
 
 
 def _laid(sheet: Sheet) -> Iterator[Shape]:
@@ -217,9 +222,7 @@ def size(plate: Plate, limits: Limits) -> Iterator[Hit]:
         yield Hit(
             "page", f"its viewBox is {scales[0]:.6g} mm to the unit across and {scales[1]:.6g} down", [round(one, 6) for one in scales]
         )
-    if limits.size and not any(
-        max(abs(a - b) for a, b in zip(sides, want, strict=True)) <= 0.1 for want in (limits.size, limits.size[::-1])
-    ):
+    if limits.size and not same_paper(sides, limits.size):
         yield Hit("page", f"it is {sides[0]:g} x {sides[1]:g} mm, not {limits.size[0]:g} x {limits.size[1]:g} mm", sides)
 
 

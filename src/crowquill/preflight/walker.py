@@ -17,6 +17,7 @@ from crowquill.preflight.fonts import Font
 from crowquill.preflight.placed import drawn, form, inline
 from crowquill.preflight.states import applied, group
 from crowquill.preflight.tokens import TOKEN, Name, of, value_of
+from crowquill.preflight.values import told
 from crowquill.vector import LIMIT
 
 CONTENT = 256 * 2**20  # bytes of one stream: a million dots
@@ -87,7 +88,7 @@ class Walker:
                 self.met.note("content", "a stream that is cut off or does not unpack")
             return unpacked(stream, CONTENT)
         except (pikepdf.PdfError, RuntimeError, TypeError, ValueError) as error:
-            self.met.note("content", f"a stream that does not unpack ({' '.join(str(error).split())[-60:]})")
+            self.met.note("content", f"a stream that does not unpack ({told(error)[-60:]})")
             return b""
 
     def run(self, code: bytes, resources: Any) -> None:
@@ -156,7 +157,7 @@ class Walker:
             elif word not in IGNORED and word not in (b"BDC", b"d1"):
                 self.met.note("content", f"an operator {word[:12].decode('latin-1')!r} that is none, or lacks what it works on")
         except (LookupError, TypeError, ValueError, AttributeError, pikepdf.PdfError) as error:
-            said = str(error).split("\n")[0][:60]
+            said = told(error)[:60]
             self.met.note("content", f"an operator {word[:12].decode('latin-1')!r} that cannot be run ({said})")
         return at
 
