@@ -14,7 +14,7 @@ from crowquill import formats, lettering, plate
 from crowquill.marks import Marks
 from crowquill.paths import Paths
 from crowquill.plate.journals import JOURNALS
-from crowquill.plate.wording import caption, lacking
+from crowquill.plate.wording import caption
 from crowquill.sheet import Ink, Layer, Sheet
 from crowquill.units import POINT
 
@@ -185,7 +185,7 @@ def test_a_panel_draws_what_a_single_drawing_of_its_recipe_is() -> None:
 
 def test_no_dot_lies_under_letter_or_bar() -> None:
     panel = {"picture": "grey.png", "knobs": {"pen": 0.5}, "scale": "1:1", "scale_bar": "10 mm"}
-    sheet = drawn(panel, width=60)
+    sheet = drawn(panel, width=60, bars={"position": "inside"})
     art = layer(sheet, "A stipple").art
     assert len(art) > 1000
     reach = art.scale.max() / 2
@@ -227,12 +227,6 @@ def test_captions_wrap_within_their_width_and_stars_choose_the_face() -> None:
 def test_captions_of_any_stars_are_set(text: str) -> None:
     found = caption(text, 40.0, 3.0, FACES)
     assert found.height >= 0 and len(found.lines) == bool(text.strip())
-
-
-def test_letters_that_the_font_lacks_are_said() -> None:
-    assert lacking("Möwe 鷗", "regular") == "鷗"
-    sheet = drawn(picture(), page={"caption": "鷗 *Larus*"})
-    assert sheet.report["warnings"] == ["the font has no shape for 鷗, which show as empty boxes; give another in [text]"]
 
 
 def test_a_drawing_of_ours_comes_without_its_paper_and_says_what_it_leaves_there() -> None:

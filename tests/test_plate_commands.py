@@ -239,6 +239,25 @@ def test_a_dry_run_says_what_will_be_and_writes_nothing(run):
     assert "A      stipple, 33 x 24.75 mm at 0, 0, 60 dots" in told.out
 
 
+@pytest.mark.parametrize(("out", "code"), [(["o.pdf"], 2), (["o.svg", "--plates", "."], 2), (["o.svg"], 0), (["o.PDF", "--dry-run"], 2)])
+def test_letters_that_a_pdf_lacks_are_refused_before_the_work(run, monkeypatch, out, code):
+    Path("plate.toml").write_text(PLATE + 'letter = "β"\n')
+    if code:
+        monkeypatch.setattr("crowquill.plate.steps", None)  # nothing is drawn
+    before = here()
+    told = run("plate", "plate.toml", *out)
+    assert told.code == code and "panel 2: letter: font bold has no β (U+03B2)" in told.err
+    assert not code or (told.err.startswith("crowquill: plate.toml: panel 2: ") and told.err.count("\n") == 1)
+    assert (here() == before) == bool(code)
+
+
+def test_a_plate_of_ready_drawings_says_nothing_of_ink(run):
+    Path("map.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg" width="9mm" height="3mm"><rect width="9mm" height="3mm"/></svg>')
+    Path("ready.toml").write_text('[page]\nwidth = 20\n[[panel]]\ndrawing = "map.svg"\nletter = ""\n')
+    told = run("plate", "ready.toml", "ready.svg").out
+    assert told.startswith("1 marks, 9 x 3 mm on 20 x 4 mm, ") and "ink" not in told
+
+
 def test_what_is_there_is_replaced_only_where_it_may_be(run):
     Path("out.svg").write_text("older")
     assert run("plate", "plate.toml", "out.svg", "--no-overwrite").code == 2

@@ -44,7 +44,7 @@ PANELS = {  # what is wrong with a second panel
     GREY + "scale = '1 mm = -5 um'": "panel 2: length '-5 um' of a specimen; it takes a number over 0",
     GREY + "scale = '0:1'": "panel 2: scale '0:1' is none that can be drawn",
     GREY + "pixel = '3 px'": "panel 2: length '3 px' of a specimen is not understood",
-    GREY + "scale = '1:1'\nscale_bar = '5 m'": "panel 2: a scale bar of 5 m is 5000 mm long in a room of 97 mm",
+    GREY + "scale = '1:1'\nscale_bar = '5 m'": "panel 2: a scale bar of 5 m is 5000 mm long in a room of 100 mm",
     GREY + "scale_bar = '5 mm'": "panel 2: a scale bar of an unknown scale; give scale",
     GREY + "pixel = '1 um'\nfit = 'stretch'": "panel 2: pixel is for pictures that are not stretched; say scale",
     GREY + "pixel = '1 um'\nscale = '1:1'\nwidth = 3": "panel 2: scale and pixel together say how large it is drawn",
@@ -87,7 +87,8 @@ PLATES = {  # what is wrong with a plate
     "seed = nan\n" + ONE: "holds what is no text, number, list or table",
     "schema = 2\n" + ONE: "made by a newer crowquill (plate schema 2); update this one",
     "style = 'stipple'\n" + ONE: "style is 'stipple'; it takes one of 'plate'",
-    ONE * 201: "panel is [{'picture'",
+    ONE * 201: "has 201 panels; it takes 200 at most",
+    ONE + "[[panel.layer]]\nseed = 1\n" * 21: "panel 1: has 21 layers; it takes 20 at most",
     "[page]\njournal = 'spriner'\n" + ONE: "page: journal: no journal 'spriner'; did you mean springer?",
     "[page]\npaper = 'a9'\n" + ONE: "page: paper: no paper 'a9'; there are a4, a5, letter",
     "[page]\npaper = 'a4'\njournal = 'aiaa'\n" + ONE: "page: paper has a width and a height of its own; leave out paper",
@@ -104,7 +105,8 @@ PLATES = {  # what is wrong with a plate
     PAGE + "[letters]\nfont = 'blod'\n" + ONE: "letters: no font 'blod'; there are regular, bold, italic",
     PAGE + "[text]\nfont = 'grey.png'\n" + ONE: "text: grey.png: not a font that can be read",
     PAGE + "[letters]\nsize = 120\n" + ONE: "panel 1: its letter 'A' is 92.9 x 87.6 mm and has no room; make letters smaller",
-    PAGE + "[bars]\nsize = 20\n[letters]\nstyle = 'none'\n" + ONE + "scale = '1:1'\nat = [0, 0]\nsize = [90, 18]\nfit = 'cover'": (
+    (PAGE + "[bars]\nposition = 'inside'\nsize = 20\n[letters]\nstyle = 'none'\n" + ONE + "scale = '1:1'\nat = [0, 0]\n"
+     "size = [90, 18]\nfit = 'cover'"): (
         "panel 1: its scale bar is 15.9 mm high and has no room; put bars below"
     ),
     PAGE + "[bars]\nink = 'x'\n" + ONE: "bars: no ink 'x'; there are black",

@@ -180,7 +180,8 @@ def test_the_command_line_writes_plates_beside_the_drawing(run: Run) -> None:
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (("--plates", "none"), "there is no folder none; make it first"),
+        (("--plates", "none"), "crowquill: none: there is no such folder; make it first"),
+        (("--plates", "ramp.png"), "crowquill: ramp.png: is no folder; "),
         (("--plates", "films", "--plates-as", "gif"), "no plates-as 'gif'; there are pdf, tiff"),
         (("--plates-as", "pdf"), "--plates-as is for plates; add --plates DIR"),
         (("--plates", "films", "--plates-as", "tiff", "--colour-bar"), "leave out colour-bar"),

@@ -88,6 +88,48 @@ def test_a_label_says_the_length_as_it_was_written_with_the_micro_sign_that_font
     assert scale.bar(1.0, 80, "5 cm").label == "5 cm"
 
 
+@pytest.mark.parametrize(
+    ("ratio", "text", "label"),
+    [
+        (1 / 123.4567, "1234567 um", "1234567 µm"),
+        (0.1, "150000000 nm", "150000000 nm"),
+        (4, "1.50 mm", "1.50 mm"),
+        (4, "1e3 um", "1000 µm"),
+        (4e4, "0.00025 mm", "0.00025 mm"),
+        (4e4, "2.5e-4 mm", "0.00025 mm"),
+        (4, "+.5 mm", "0.5 mm"),
+        (4, "5. mm", "5 mm"),
+    ],
+)
+def test_a_label_keeps_its_digits_and_has_no_exponent(ratio: float, text: str, label: str):
+    made = scale.bar(ratio, 80, text)
+    assert made.label == label and math.isclose(scale.length(made.label), scale.length(text), rel_tol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "width", "text", "says"),
+    [
+        (4, 80, "150000000 nm", "a scale bar of 150000000 nm is 600 mm long in a room of 80 mm; 5 mm would do"),
+        (4, 80, "50 m", "a scale bar of 50 m is 200000 mm long in a room of 80 mm; 5 mm would do"),
+        (4, 80, "12 nm", "a scale bar of 12 nm is 0.000048 mm long in a room of 80 mm; 5 mm would do"),
+    ],
+)
+def test_a_refused_bar_is_told_without_exponents(ratio: float, width: float, text: str, says: str):
+    with pytest.raises(ValueError, match=f"^{says}$"):
+        scale.bar(ratio, width, text)
+
+
+def test_a_length_beyond_all_specimens_is_refused_in_a_short_line():
+    for text in ("1e300 m", "1e-300 nm"):
+        with pytest.raises(ValueError, match=r"^length '1e.*' of a specimen; it takes a number over 0, ") as error:
+            scale.bar(4, 80, text)
+        assert len(str(error.value)) < 160
+
+
+def test_lengths_of_continents_and_atoms_are_said_without_exponents():
+    assert (scale.said(2e13), scale.said(2e-13)) == ("20000000 km", "0.0000002 nm")
+
+
 @pytest.mark.parametrize(("value", "text"), [(2e-6, "2 nm"), (1e-3, "1 µm"), (0.5, "500 µm"), (50.0, "50 mm"), (2e3, "2 m"), (5e6, "5 km")])
 def test_an_automatic_length_is_said_in_the_unit_that_suits(value: float, text: str):
     assert scale.said(value) == text

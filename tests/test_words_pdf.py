@@ -60,6 +60,21 @@ def test_every_font_is_embedded_once_a_face_with_the_letters_in_use() -> None:
     assert set(program.keys()) - {"GlyphOrder"} == {"glyf", "head", "hhea", "hmtx", "loca", "maxp"}
 
 
+@pytest.mark.parametrize("said", [0, 1200])
+def test_the_height_of_capitals_is_the_fonts_own(said: int, tmp_path: Path) -> None:
+    """As the font says in OS/2, and of one that does not, as its H is, though no H is shown."""
+    program = TTFont(lettering.file("regular"))
+    high = program["glyf"][program.getBestCmap()[ord("H")]].yMax
+    if said:
+        program["OS/2"].version, program["OS/2"].sCapHeight, program["OS/2"].sxHeight = 2, said, 1000
+        program["OS/2"].usDefaultChar = program["OS/2"].usBreakChar = program["OS/2"].usMaxContext = 0
+    program.save(tmp_path / "own.ttf")
+    with pikepdf.open(io.BytesIO(pdf(words(font=str(tmp_path / "own.ttf"), lines=["ammonite"])))) as document:
+        (font,) = document.pages[0].Resources.Font.values()
+        descriptor = font.DescendantFonts[0].FontDescriptor
+    assert descriptor.CapHeight == round(1000 * (said or high) / 2048) < descriptor.Ascent
+
+
 @pytest.mark.parametrize("font", ["regular", "bold", "italic"])
 @pytest.mark.parametrize("pen", [None, 0.1])
 def test_words_look_as_their_outlines_do(font: str, pen: float | None) -> None:

@@ -72,6 +72,12 @@ def width(words: str, size: float, font: str = "regular") -> float:
     return sum(_letter(letter, font)[1] for letter in words) * size
 
 
+def lacking(words: Iterable[str], font: str = "regular") -> str:
+    """The letters that a font has no shape for, each once, in the order of their codes. Raises what text() raises of fonts."""
+    codes = _font(font)[1]
+    return "".join(sorted({letter for letter in words if ord(letter) not in codes}))
+
+
 def text(words: str, x: float, y: float, *, size: float = 3.0, anchor: str = "start", font: str = "regular") -> Paths:
     """One line of text as closed cubic Paths in mm: x is where it starts, or its middle or end, y its base line.
 

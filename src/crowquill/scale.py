@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from decimal import Decimal
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from crowquill.sheet import Ink, Layer
 MICRO = "\N{MICRO SIGN}m"  # the code point that fonts have
 UNITS = {"nm": 1e-6, "um": 1e-3, MICRO: 1e-3, "\N{GREEK SMALL LETTER MU}m": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1e3, "km": 1e6}  # mm
 SHOWN = (("km", 1e6), ("m", 1e3), ("mm", 1.0), (MICRO, 1e-3), ("nm", 1e-6))  # of which the largest that leaves 1 or more is said
+OWN = (1e-12, 1e15)  # mm of a specimen: beyond these nothing is drawn, and digits without an exponent fill a page
 LIMITS = (1e-9, 1e9)  # mm drawn to a mm of the specimen: from a continent on a page to an atom
 THICK = 0.5  # mm
 LETTERS = 2.5  # mm, some 7 points: the least that journals print
@@ -43,7 +45,7 @@ def length(text: str) -> float:
     (0.25, 2000000.0)
     """
     value, unit = _measure(text)
-    return value * UNITS[unit]
+    return float(value) * UNITS[unit]
 
 
 def parsed(text: str) -> float:
@@ -94,7 +96,7 @@ def bar(
 
     ratio   mm drawn to a mm of the specimen
     width   mm of the room: a longer bar or label is refused
-    text    the length of the specimen, said as it is written ("500 um"), or "auto" for a round one
+    text    the length of the specimen, said in the digits it is written in ("500 um"), or "auto" for a round one
     at      the lower right corner of it all in mm, or by anchor "left" its lower left
     size    mm of the label's font, which is a face or a file as Words take it
 
@@ -108,11 +110,11 @@ def bar(
         label = said(value)
     else:
         number, unit = _measure(text)
-        value, label = number * UNITS[unit], f"{number:g} {MICRO if UNITS[unit] == UNITS[MICRO] else unit}"
+        value, label = float(number) * UNITS[unit], f"{number:f} {MICRO if UNITS[unit] == UNITS[MICRO] else unit}"
     long = value * ratio
     if not SHORTEST <= long <= width * (1 + 1e-9):
         raise ValueError(
-            f"a scale bar of {label} is {long:.4g} mm long in a room of {width:.4g} mm; "
+            f"a scale bar of {label} is {_plain(long, 4)} mm long in a room of {width:.4g} mm; "
             + (f"{said(rounded(ratio, width))} would do" if width > SHORTEST / SHARES[0] else "draw it larger")
         )
     half = TICK / 2 if ticks else thickness / 2
@@ -140,20 +142,24 @@ def said(value: float) -> str:
     ('500 µm', '20 mm', '1.5 m')
     """
     unit, size = next((pair for pair in SHOWN if value >= pair[1] * (1 - 1e-9)), SHOWN[-1])
-    return f"{value / size:.6g} {unit}"
+    return f"{_plain(value / size, 6)} {unit}"
 
 
-def _measure(text: str) -> tuple[float, str]:
-    """The number and the unit of a specimen's length."""
+def _plain(number: float, digits: int) -> str:
+    """A number of so many digits, without an exponent."""
+    return f"{Decimal(f'{number:.{digits}g}'):f}"
+
+
+def _measure(text: str) -> tuple[Decimal, str]:
+    """The number of a specimen's length, with its digits as they are written, and the unit."""
     found = re.fullmatch(LENGTH, text.strip().lower())
     if not found or found[2] not in UNITS:
         raise ValueError(
             f"length {text!r} of a specimen is not understood; write a number and one of nm, um, mm, cm, m, km, such as 500 um"
         )
-    value = float(found[1])
-    if not 0 < value < math.inf:
-        raise ValueError(f"length {text!r} of a specimen; it takes a number over 0")
-    return value, found[2]
+    if not OWN[0] <= float(found[1]) * UNITS[found[2]] <= OWN[1]:
+        raise ValueError(f"length {text!r} of a specimen; it takes a number over 0, and no more than {said(OWN[1])}")
+    return Decimal(found[1]), found[2]
 
 
 def _ratio(drawn: float, own: float, text: str) -> float:

@@ -38,6 +38,11 @@ class Run:
         """The format of the plates."""
         return self.plates_as or "pdf"
 
+    @property
+    def sets_text(self) -> bool:
+        """Whether a PDF is written, which takes words from their fonts; other formats draw outlines."""
+        return any(path.suffix.lower() == ".pdf" for path in self.out) or bool(self.plates and self.kind == "pdf")
+
     def modules(self) -> list[Any]:
         """The formats written, one a file."""
         return [formats.module(path.suffix[1:].lower(), str(path)) for path in self.out]
@@ -123,10 +128,11 @@ class _Report:
         """What was drawn, how large, with how much ink, where."""
         facts, art, page = self.facts, self.facts["art_mm"], self.facts["paper_mm"]
         plot = facts.get("plot")
+        asked = facts["ink_asked_mm2"]
+        ink = f"ink {facts['ink_placed_mm2']:.0f} of {asked:.0f} mm2, " if asked else ""  # none is asked of ready drawings
         drawn = (
             f"{facts['marks']} marks, {art[0]:.4g} x {art[1]:.4g} mm on {page[0]:g} x {page[1]:g} mm, "
-            f"ink {facts['ink_placed_mm2']:.0f} of {facts['ink_asked_mm2']:.0f} mm2, "
-            f"{time.perf_counter() - self._began:.1f} s: {plain(', '.join(facts['files']))}"
+            f"{ink}{time.perf_counter() - self._began:.1f} s: {plain(', '.join(facts['files']))}"
         )
         if not plot:
             return drawn

@@ -55,6 +55,8 @@ def draw(opened: Opened, run: Run, *, said: list[str]) -> int:
     sources = opened.folder.paths()
     run.check(sources, {"embed": opened.files.get("embed")}, strokes=STROKES)
     run.foresee(opened.composition.size, 0, opened.files)
+    if run.sets_text:
+        opened.foresee_pdf()
     if run.dry_run:
         return _foretold(opened)
     work = plate.steps(opened, embed=bool(opened.files.get("embed")))

@@ -11,7 +11,7 @@ from typing import Any
 
 import pikepdf
 
-from crowquill.lettering import Words, file
+from crowquill.lettering import Words, file, lacking
 from crowquill.sheet import Layer
 
 TABLES = {"glyf", "head", "hhea", "hmtx", "loca", "maxp"}  # all that drawing letters takes
@@ -23,7 +23,7 @@ RESTRICTED = 2  # of OS/2's fsType: may not be embedded
 class Face:
     """A font with some letters: its name, the character of each letter, the widths of all characters, and the program.
 
-    box, ascent, descent, slant  as PDF tells them: in thousandths of its size, and degrees
+    box, ascent, descent, capital, slant  as PDF tells them: in thousandths of its size, and degrees
     """
 
     name: str
@@ -32,6 +32,7 @@ class Face:
     box: tuple[float, ...]
     ascent: float
     descent: float
+    capital: float
     slant: float
     program: bytes
 
@@ -82,9 +83,9 @@ def _face(font: str, letters: list[str]) -> Face:
         raise ValueError(f"{path}: its outlines are not TrueType; give a TrueType font")
     if "OS/2" in whole and whole["OS/2"].fsType & 0xF == RESTRICTED:
         raise ValueError(f"{path}: its licence forbids embedding; give another font")
-    for letter in letters:
-        if ord(letter) not in codes:
-            raise ValueError(f"letter {letter!r} (U+{ord(letter):04X}) is not in font {font}; choose other words, or a font that has it")
+    for letter in lacking(letters, font):
+        raise ValueError(f"letter {letter!r} (U+{ord(letter):04X}) is not in font {font}; choose other words, or a font that has it")
+    capital = _capital(whole, codes)
     for table in set(whole.keys()) - TABLES - TOLD - {"GlyphOrder"}:
         del whole[table]
     options = Options(hinting=False, notdef_outline=True, recalc_timestamp=False)
@@ -92,10 +93,17 @@ def _face(font: str, letters: list[str]) -> Face:
     subset.populate(unicodes=[ord(letter) for letter in letters])
     subset.subset(whole)
     order = {glyph: k for k, glyph in enumerate(whole.getGlyphOrder())}
-    return _told(whole, {letter: order[codes[ord(letter)]] for letter in letters})
+    return _told(whole, {letter: order[codes[ord(letter)]] for letter in letters}, capital)
 
 
-def _told(font: Any, character: dict[str, int]) -> Face:
+def _capital(font: Any, codes: dict[int, str]) -> float:
+    """How high capitals are, in the font's units: as it says, else as its H is, else as high as it goes."""
+    said = getattr(font["OS/2"], "sCapHeight", 0) if "OS/2" in font else 0  # old fonts do not say
+    high = getattr(font["glyf"][codes[ord("H")]], "yMax", 0) if ord("H") in codes else 0
+    return float(said or high or font["hhea"].ascent)
+
+
+def _told(font: Any, character: dict[str, int], capital: float) -> Face:
     """What PDF says of a font, and its program."""
     part = 1000 / font["head"].unitsPerEm
     head, across = font["head"], font["hhea"]
@@ -111,7 +119,8 @@ def _told(font: Any, character: dict[str, int]) -> Face:
     # named by what is in it, since printers keep fonts by name
     tag = "".join(chr(65 + byte % 26) for byte in hashlib.sha256(program).digest()[:6])
     plain = "".join(letter for letter in called if letter.isascii() and (letter.isalnum() or letter == "-")) or "Font"
-    return Face(f"{tag}+{plain}", character, widths, box, round(part * across.ascent), round(part * across.descent), slant, program)
+    ascent, descent, high = (round(part * height) for height in (across.ascent, across.descent, capital))
+    return Face(f"{tag}+{plain}", character, widths, box, ascent, descent, high, slant, program)
 
 
 def resource(pdf: pikepdf.Pdf, face: Face) -> pikepdf.Object:
@@ -126,7 +135,7 @@ def resource(pdf: pikepdf.Pdf, face: Face) -> pikepdf.Object:
         ItalicAngle=face.slant,
         Ascent=face.ascent,
         Descent=face.descent,
-        CapHeight=face.ascent,
+        CapHeight=face.capital,
         StemV=80,
         FontFile2=pdf.make_stream(packed, Filter=Name.FlateDecode, Length1=len(face.program)),
         CIDSet=cid_set(pdf, len(face.widths)),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,6 +21,8 @@ MARGIN, RIM = 15.0, 0.5  # mm, on paper, and around a figure, that dots on its b
 TEXT = 8 * units.POINT  # where no journal says another size
 MORE = units.POINT  # that letters of panels are larger than other text
 APART = 1.5  # mm between a picture and its words, and from letters and bars to the picture's border
+MOST = 5  # letters that are named of those that a font lacks
+BOXES = "; empty boxes stand there, and no PDF can be written: choose other words, or another font"
 
 
 @dataclass(frozen=True)
@@ -43,12 +46,16 @@ class Placed:
 
 @dataclass(frozen=True)
 class Composition:
-    """A plate with all in its place: `size` of its page in mm, panels, words of the page, and what is to be said of it."""
+    """A plate with all in its place: `size` of its page in mm, panels, words of the page, and what is to be said of it.
+
+    lacking  which words have letters that their font has no shape for, a line each
+    """
 
     plate: Plate
     size: Size
     panels: tuple[Placed, ...]
     words: tuple[Layer, ...]
+    lacking: tuple[str, ...]
     notes: tuple[str, ...]
 
 
@@ -96,7 +103,8 @@ def composed(plate: Plate, folder: Folder) -> Composition:
         with named(names[k]):
             panels.append(_lettered(want, spots[k], names[k], labels[k], k, plate, hand))
     words = tuple(foot.layers(margin, bottom + 2 * APART, "caption", plate.ink("black")))
-    return Composition(plate, size, tuple(panels), words, _notes(plate, journal, hand))
+    lost = tuple(_lacking(panels, words))
+    return Composition(plate, size, tuple(panels), words, lost, (*_notes(plate, journal, hand), *(f"{line}{BOXES}" for line in lost)))
 
 
 def _size(plate: Plate, journal: Journal | None) -> tuple[Size, float]:
@@ -127,7 +135,7 @@ def _hand(plate: Plate, journal: Journal | None, folder: Folder) -> Hand:
 def _font(font: str, folder: Folder) -> str:
     """A face by its name, or the path of a file of the plate's folder."""
     found = str(folder.file(font)) if Path(font).suffix else font
-    wording.lacking("", found)  # one that cannot be read is refused here
+    lettering.lacking("", found)  # one that cannot be read is refused here
     return found
 
 
@@ -178,7 +186,7 @@ def _lettered(want: Want, spot: tuple[Box, Box], name: str, letter: str, rank: i
         else:
             down = bar.box[3] + APART
     text = caption(panel.caption, box.width, hand.text, hand.faces)
-    words += text.layers(box.left, down, f"{label} caption", plate.ink("black"))
+    words += text.layers(max(box.left, min(art.left, box.right - text.width)), down, f"{label} caption", plate.ink("black"))
     return Placed(name, label, panel, want.content, art, box, ratio, tuple(words), tuple(free))
 
 
@@ -186,9 +194,9 @@ def _letter(letter: str, art: Box, box: Box, plate: Plate, hand: Hand) -> tuple[
     """A panel's letter inside the top left corner of its picture, or above it, and the box of its ink."""
     inside = plate.letters.position == "inside"
     high, wide = hand.letter * wording.CAPITALS, lettering.width(letter, hand.letter, hand.letter_font)
-    if wide > (art.width - 2 * APART if inside else box.width) or (inside and high > art.height - 2 * APART):
+    if wide > (art.width - 2 * APART if inside else box.right - art.left) or (inside and high > art.height - 2 * APART):
         raise ValueError(f"its letter {letter!r} is {wide:.3g} x {high:.3g} mm and has no room; make letters smaller")
-    left, base = (art.left + APART, art.top + APART + high) if inside else (box.left, art.top - APART)
+    left, base = (art.left + APART, art.top + APART + high) if inside else (art.left, art.top - APART)
     line = lettering.Words.of([(letter, left, base)], size=hand.letter, font=hand.letter_font)
     return line, (left, base - high, left + wide, base)
 
@@ -216,8 +224,19 @@ def _bar_height(plate: Plate, hand: Hand) -> float:
     return APART + hand.bar * wording.CAPITALS + scale.APART + thick
 
 
+def _lacking(panels: list[Placed], words: tuple[Layer, ...]) -> Iterator[str]:
+    """Of all words whose font lacks letters of theirs: which they are, the font, and the letters."""
+    places = [("page", "", words), *((placed.name, f"{placed.label} ", placed.words) for placed in panels)]
+    for place, label, layers in places:
+        for layer in layers:
+            if isinstance(layer.art, lettering.Words) and (lost := lettering.lacking("".join(layer.art.text), layer.art.font)):
+                told = ", ".join(f"{letter} (U+{ord(letter):04X})" for letter in lost[:MOST])
+                more = f" and {len(lost) - MOST} more" if len(lost) > MOST else ""
+                yield f"{place}: {layer.label.removeprefix(label)}: font {Path(layer.art.font).name} has no {told}{more}"
+
+
 def _notes(plate: Plate, journal: Journal | None, hand: Hand) -> tuple[str, ...]:
-    """What is to be said of the lettering: too small for the journal, letters that the font lacks."""
+    """What is to be said of the lettering: too small for the journal, faces that are not there."""
     found = []
     if journal and journal.least:
         sizes = {"text": hand.text, "letters": hand.letter, "bars": hand.bar}
@@ -227,10 +246,6 @@ def _notes(plate: Plate, journal: Journal | None, hand: Hand) -> tuple[str, ...]
             if size < journal.least - units.UM
         ]
     text = plate.page.caption + "".join(panel.caption for panel in plate.panel)
-    letters = "".join(panel.letter or "" for panel in plate.panel)
-    lost = wording.lacking(text.replace("*", ""), hand.faces["regular"]) + wording.lacking(letters, hand.letter_font)
-    if lost:
-        found.append(f"the font has no shape for {' '.join(lost[:20])}, which show as empty boxes; give another in [text]")
     if len(set(hand.faces.values())) < 3 and "*" in text:
         found.append("a font of your own is given without its italic or bold, and words in stars are set like the rest")
     return tuple(found)

@@ -12,7 +12,10 @@ import numpy as np
 import shapely
 
 from crowquill import making
+from crowquill.formats._letters import faces
 from crowquill.knobs import Text
+from crowquill.marks import Marks
+from crowquill.paths import Paths
 from crowquill.plate.composing import Composition, Placed, composed
 from crowquill.plate.parts import Part, inked, scaled
 from crowquill.plate.platefile import SCHEMA, Plate, named
@@ -48,6 +51,14 @@ class Opened:
         except ValueError as error:
             said = str(error)
             raise ValueError(f"{name}: {said if '; ' in said else f'{said}; mend it'}") from None
+
+    def foresee_pdf(self) -> None:
+        """Raises the ValueError that a PDF of its words would raise: for letters that a font lacks, and fonts it may not hold."""
+        for line in self.composition.lacking[:1]:
+            raise ValueError(f"{self.name}: {line}, which a PDF takes from its font; choose other words, or another font")
+        panels = [layer for placed in self.composition.panels for layer in placed.words]
+        with named(self.name):
+            faces([*panels, *self.composition.words])
 
     @property
     def version(self) -> str:
@@ -114,13 +125,17 @@ def _work(part: Part, placed: Placed) -> tuple[Tone, Work]:
 
 
 def _drawn(part: Part, placed: Placed) -> Generator[Step, None, tuple[list[Layer], dict[str, Any], list[str]]]:
-    """The layers of one drawing in its place, its report, and what is to be said of it; a sheet takes the panel's width."""
+    """The layers of one drawing in its place, its report, and what is to be said of it.
+
+    A sheet takes the panel's width, and of its report there is the number of its marks, an outline being one.
+    """
     art = placed.art
     offset = np.array([art.left, art.top])
     if part.sheet is not None:
         factor = art.width / part.sheet.size[0]
         own = [layer if factor == 1 else scaled(layer, factor) for layer in part.sheet.layers]
-        return _named(own, part, placed.label, offset), {}, list(part.notes)
+        shapes = sum(len(layer.art) for layer in own if isinstance(layer.art, (Marks, Paths)))
+        return _named(own, part, placed.label, offset), {"marks": shapes}, list(part.notes)
     tone, work = _work(part, placed)
     while True:
         try:

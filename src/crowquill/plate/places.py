@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
+from scipy.optimize import brentq
+
 from crowquill.plate.parts import Content, Size
 from crowquill.plate.platefile import Grid, Panel, named
 from crowquill.units import UM
@@ -54,13 +56,13 @@ class Want:
         """Height over width."""
         return self.content.shape[1] / self.content.shape[0]
 
-    def natural(self, width: float) -> float:
-        """The height of it all in a place this wide."""
-        fixed = self.content.fixed
-        return self.above + (fixed[1] if fixed else width * self.shape) + self.below(width)
+    def natural(self, width: float) -> tuple[float, float]:
+        """Heights in a place this wide: of its words and what has a stated size, and of a picture that may shrink."""
+        fixed, words = self.content.fixed, self.above + self.below(width)
+        return (words + fixed[1], 0.0) if fixed else (words, width * self.shape)
 
-    def fitted(self, room: Size) -> Size:
-        """The picture's size in a room. Raises ValueError where it has none."""
+    def fitted(self, room: Size, share: float = 1.0) -> Size:
+        """The picture's size in a room, at most this share of the room's width if it may shrink. Raises ValueError where it has none."""
         if min(room) < LEAST:
             raise ValueError(f"its picture has a room of {room[0]:.4g} x {room[1]:.4g} mm; make the page larger or its words fewer")
         if fixed := self.content.fixed:
@@ -72,7 +74,7 @@ class Want:
             return fixed
         if self.panel.fit != "contain":
             return room
-        width = min(room[0], room[1] / self.shape)
+        width = min(share * room[0], room[1] / self.shape)
         return round(width, 3), round(min(room[1], width * self.shape), 3)
 
 
@@ -116,14 +118,14 @@ def _in_grid(wants: Sequence[Want], names: Sequence[str], grid: Grid, margin: fl
     for want, name, wide in zip(wants, names, across, strict=True):
         with named(name):
             natural.append(want.natural(wide))
-    heights = _heights(natural, at, grid, room[1])
+    heights, share = _heights(natural, at, grid, room[1])
     found = []
     for want, name, (row, column, rows, _), wide in zip(wants, names, at, across, strict=True):
         left = margin + sum(widths[:column]) + column * grid.gutter
         top = margin + sum(heights[:row]) + row * grid.gutter
         deep = _span(heights, row, rows, grid.gutter)
         with named(name):
-            width, height = want.fitted((wide, deep - want.above - want.below(wide)))
+            width, height = want.fitted((wide, deep - want.above - want.below(wide)), share)
         art = Box(round(left + (wide - width) / 2, 3), round(top + want.above, 3), width, height)
         found.append((art, Box(left, top, wide, deep)))
     return found
@@ -169,19 +171,31 @@ def _span(sides: Sequence[float], first: int, count: int, gutter: float) -> floa
     return sum(sides[first : first + count]) + (count - 1) * gutter
 
 
-def _heights(natural: Sequence[float], spots: Sequence[Spot], grid: Grid, most: float) -> list[float]:
-    """The heights of rows: as given, or as high as their panels are by themselves, all less high where that is over `most`."""
-    count = max(row + rows for row, _, rows, _ in spots)
-    heights = list(grid.heights) or [0.0] * count
-    room = most - (len(heights) - 1) * grid.gutter
+def _heights(natural: Sequence[Size], spots: Sequence[Spot], grid: Grid, most: float) -> tuple[list[float], float]:
+    """The heights of rows, and the share of their own size that pictures have in them.
+
+    Rows are as high as is said, or as their panels are by themselves. Where those are over `most`, words keep their size and
+    all pictures shrink by one factor.
+    """
+    gutters = (max(row + rows for row, _, rows, _ in spots) - 1) * grid.gutter
+    room = most - gutters
     if grid.heights:
-        if sum(heights) > room + UM:
+        if sum(grid.heights) + (len(grid.heights) - 1) * grid.gutter > most + UM:
             raise ValueError(f"grid: its rows have a room of {most:.6g} mm; make them or the gutter lower")
-        return heights
-    for high, (row, _, rows, _) in sorted(zip(natural, spots, strict=True), key=lambda each: each[1][2]):  # those of one row first
-        heights[row + rows - 1] += max(0.0, high - _span(heights, row, rows, grid.gutter))
-    if room < sum(heights):
-        if room <= LEAST:
-            raise ValueError(f"grid: its rows have a room of {most:.6g} mm; make the page higher, or the gutter lower")
-        heights = [high * room / sum(heights) for high in heights]
+        return list(grid.heights), 1.0
+    if room <= LEAST:
+        raise ValueError(f"grid: its rows have a room of {most:.6g} mm; make the page higher, or the gutter lower")
+    low, share = 0.0, 1.0
+    if sum(_rows(natural, spots, grid.gutter, share)) > room:
+        if (words := sum(_rows(natural, spots, grid.gutter, low))) >= room:
+            raise ValueError(f"grid: its rows have a room of {room:.6g} mm and their words take {words:.4g} mm; make the page higher")
+        share = float(brentq(lambda part: sum(_rows(natural, spots, grid.gutter, part)) - room, low, share, xtol=1e-9))
+    return _rows(natural, spots, grid.gutter, share), share
+
+
+def _rows(natural: Sequence[Size], spots: Sequence[Spot], gutter: float, share: float) -> list[float]:
+    """The heights of rows whose pictures have this share of their own size."""
+    heights = [0.0] * max(row + rows for row, _, rows, _ in spots)
+    for (words, art), (row, _, rows, _) in sorted(zip(natural, spots, strict=True), key=lambda each: each[1][2]):  # those of one row first
+        heights[row + rows - 1] += max(0.0, words + share * art - _span(heights, row, rows, gutter))
     return heights

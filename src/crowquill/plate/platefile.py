@@ -137,7 +137,7 @@ class Text(Table):
 class Bars(Table):
     """Scale bars."""
 
-    position: Literal["inside", "below"] = "inside"
+    position: Literal["inside", "below"] = "below"
     corner: Literal["right", "left"] = "right"
     size: Side | None = None
     thickness: Side = scale.THICK

@@ -87,6 +87,8 @@ def _said(error: ValidationError) -> str:
     if kind == "value_error":
         said = str(first["ctx"]["error"])
         return f"{_where([*above, last])}{said if '; ' in said else f'{said}; mend it'}"
+    if kind == "too_long" and last in ("panel", "layer"):
+        return f"{_where(above)}has {len(value)} {last}s; it takes {first['ctx']['max_length']} at most"
     takes = TAKES.get(kind, "what its documentation says").format(**first.get("ctx", {}))
     what = f"number {last + 1}" if isinstance(last, int) else str(last)
     return f"{_where(above)}{what} is {short(value)}; it takes {takes}"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
 from itertools import groupby
 
 from crowquill import lettering
@@ -33,6 +32,11 @@ class Caption:
     def height(self) -> float:
         """From the tops of capitals to the lowest of the letters."""
         return self.size * (CAPITALS + DEPTH + LEADING * (len(self.lines) - 1)) if self.lines else 0.0
+
+    @property
+    def width(self) -> float:
+        """Of the longest of its lines."""
+        return max((x + lettering.width(text, self.size, self.faces[face]) for *_, (text, face, x) in self.lines), default=0.0)
 
     def layers(self, left: float, top: float, name: str, ink: Ink) -> list[Layer]:
         """The lines as words from a place of the page on, a layer a face."""
@@ -64,19 +68,6 @@ def caption(text: str, width: float, size: float, faces: Faces) -> Caption:
         else:
             lines.append(list(word))
     return Caption(tuple(tuple(_placed(line, size, faces)) for line in lines), size, faces)
-
-
-def lacking(text: str, font: str) -> str:
-    """The letters of a text that a font has no shape for, each once."""
-    return "".join(sorted(set(text) - _codes(font) - set(" \n\t\r")))
-
-
-@cache
-def _codes(font: str) -> frozenset[str]:
-    from fontTools.ttLib import TTFont
-
-    lettering.width("x", 1.0, font)  # a file that is no font is refused here, in one line
-    return frozenset(map(chr, TTFont(lettering.file(font)).getBestCmap() or {}))
 
 
 def _words(text: str) -> list[list[Piece]]:
