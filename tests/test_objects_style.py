@@ -22,9 +22,9 @@ from crowquill.sheet import Layer
 RAMP = Tone(np.tile(np.linspace(0, 0.6, 90), (60, 1)), (36.0, 24.0))
 GREY = Tone(np.full((40, 60), 0.3), (30.0, 20.0))
 MIXED = """<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="20mm" viewBox="0 0 60 20">
-<g id="flower"><path fill="none" d="M0 0v6M0 4l2 -2M0 4l-2 -2"/><circle r="2" cy="-1"/></g>
-<path id="ring" d="M15 5a3 3 0 1 0 6 0a3 3 0 1 0 -6 0zM16.5 5a1.5 1.5 0 1 0 3 0a1.5 1.5 0 1 0 -3 0z"/>
-<path id="s" fill="none" d="M25 5c2 -4 4 4 6 0"/><ellipse cx="55" cy="5" rx="3" ry="1.5"/><text>a</text></svg>"""
+<g id="flower"><path fill="none" stroke="red" d="M0 0v6M0 4l2 -2M0 4l-2 -2"/><circle r="2" cy="-1"/></g>
+<path id="ring" d="M15 5a3 3 0 1 0 6 0a3 3 0 1 0 -6 0zM16.5 5a1.5 1.5 0 1 0 3 0a1.5 1.5 0 1 0 -3 0z" fill-rule="evenodd"/>
+<path id="s" fill="none" stroke="red" d="M25 5c2 -4 4 4 6 0"/><ellipse cx="55" cy="5" rx="3" ry="1.5"/><text>a</text></svg>"""
 
 
 @functools.cache
@@ -220,6 +220,15 @@ def test_more_objects_than_fit_are_made_smaller_and_said():
     sheet = drawn(Tone(np.full((9, 9), 0.9), (9.0, 9.0)), objects="ticks", dots=200, size_by="drawn")
     check_apart(outlines(sheet), 0)
     assert sheet.report["coverage_missing"] > 0.2 and sheet.report["warnings"]
+
+
+def test_objects_that_had_to_be_smaller_than_planned_say_by_how_much():
+    report = drawn(Tone(np.full((9, 9), 0.5), (9.0, 9.0)), objects="leaves", size=20.0).report
+    assert report["size_mm"] < 0.3 * report["size_planned_mm"] < 0.3 * 20
+    said = f"objects are {report['size_mm']:.3g} mm long in the mean, not {report['size_planned_mm']:.3g} as planned, to fit"
+    assert said in report["warnings"]
+    report = drawn(GREY, objects="grains").report
+    assert report["size_mm"] == pytest.approx(report["size_planned_mm"], rel=0.05) and not report["warnings"]
 
 
 def test_objects_that_are_to_stay_far_apart_are_fewer_and_none_is_lost():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from pathlib import Path
@@ -14,27 +13,24 @@ from xml.etree import ElementTree
 import numpy as np
 import shapely
 
+from crowquill.hatching import covered
 from crowquill.inertia import drawn, fold_of, long_axis, of_sides, pooled
 from crowquill.marks import THIN, Glyph
 from crowquill.moments import of_rings
 from crowquill.objects import Shape
 from crowquill.paths import Array, Paths
+from crowquill.shapes import foreign
 from crowquill.vector import contents, elements, local, shapes
 
 FOLDER = Path(__file__).parent
+Part = tuple[Paths, Any, bool]  # of an object: paths, their shape, and whether they are filled
+
 FLAT = 3e-4  # of an object's extent: what straight pieces of its curves may stray
 COARSE = 3e-3  # and its hull, outwards only: fewer corners make room sooner
-GROUPS = {"g", "svg", "a", "switch", "use"}
-SHAPES = {"path", "rect", "circle", "ellipse", "line", "polygon", "polyline"}
-# What is not read, by the word that says so in a warning; the second lot are attributes.
-UNREAD = {
-    **dict.fromkeys(("text", "tspan", "textPath", "foreignObject"), "text"),
-    **{"image": "pictures", "clipPath": "clips", "mask": "masks", "filter": "filters", "pattern": "patterns", "marker": "markers"},
-    **dict.fromkeys(("linearGradient", "radialGradient", "meshgradient"), "gradients"),
-    **dict.fromkeys(("animate", "animateTransform", "animateMotion", "set"), "animation"),
-    "style": "style sheets",
-}
-UNREAD_OF = {"clip-path": "clips", "mask": "masks", "filter": "filters"}
+STANDING = "data-standing-"  # and a number: an attribute that says of which elements of the file a shape comes
+MOST = 2_000  # elements, copies counted: each takes some 3 ms
+ROUNDING = 1e-12  # of its extent squared: areas below are rounding
+NAMED = 3  # of what is left out
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,10 +108,12 @@ def load(source: str | os.PathLike[str]) -> Library:
     """The library of a name from names(), or of an SVG file by its path.
 
     Each shape is an object, and so is each outermost group, whatever it holds; layers of Inkscape and a lone group around
-    everything are looked through. A closed shape is filled, by the even-odd rule; an open one, or one that its file does not
-    fill, is drawn as a line. Colours and widths are not read; text, pictures, clips, gradients, filters and style sheets are
-    named in `notes`. Raises ValueError for an unknown name and a file without shapes, with an object that has
-    neither area nor length, with a script or a link to another file; OSError where it cannot be read.
+    everything are looked through. A closed shape is filled, by its own fill rule; an open one, or one that its file does not
+    fill, is drawn as a line. All is black, and lines are as wide as the pen; text, pictures, clips, gradients and filters are not
+    read, and of style sheets plain rules are. `notes` name what is not read or heeded, and what is left out because it draws
+    nothing: without area and length, without fill and stroke, or hidden.
+    Raises ValueError for an unknown name, a file that draws nothing or over MOST elements, an object too thin for an
+    area, a script or a link to another file; OSError where it cannot be read.
     """
     path = FOLDER / f"{source}.svg" if str(source) in names() else Path(source)
     if path.suffix.lower() != ".svg":
@@ -126,26 +124,51 @@ def load(source: str | os.PathLike[str]) -> Library:
 def parsed(data: bytes, name: str) -> Library:
     """The library in the bytes of an SVG file; errors call it `name`."""
     every = list(elements(data, name))
-    _refuse_foreign(every, name)
-    for k, element in enumerate(_objects(every[0])):
+    foreign.refuse(data, every, name)
+    choice = foreign.chosen(every)
+    for k, element in enumerate(foreign.objects(every[0])):
         element.set("data-object", str(k))  # what is inside inherits it
-    parts: dict[str, list[tuple[Paths, Any]]] = {}
-    for paths, shape in shapes(ElementTree.tostring(every[0]), name)[1]:
-        parts.setdefault(str(shape.values.get("data-object", "")), []).append((paths, shape))
-    if not parts:
-        raise ValueError(f"{name}: has no shapes; draw the objects in it as paths")
-    motifs = []
+    standing = list(foreign.standing(every[0]))
+    for k, element in enumerate(standing):
+        element.set(f"{STANDING}{k}", "")
+    parts: dict[str, list[Part]] = {}
+    words: set[str] = set()
+    for paths, shape in shapes(ElementTree.tostring(every[0]), name, most=MOST)[1]:
+        filled, stroked = foreign.paint(shape)
+        if (filled or stroked) and np.ptp(paths.xy, axis=0).max() > 0:
+            parts.setdefault(str(shape.values.get("data-object", "")), []).append((paths, shape, filled))
+            words |= foreign.unheeded(shape, paths.closed)
+    motifs, seen = [], set()
     for k, part in enumerate(parts.values(), 1):
-        called = next((str(shape.id) for _, shape in part if shape.id), str(k))[:40]
+        called = next((str(shape.id) for _, shape, _ in part if shape.id), str(k))[:40]
         try:
-            motifs.append(_motif(part))
+            motif = _motif(part)
         except ValueError as error:
             raise ValueError(f"{name}: object {called!r} {error}") from None
+        if motif is not None:
+            motifs.append(motif)
+            seen |= {key for _, shape, _ in part for key in shape.values if key.startswith(STANDING)}
+    unseen = _unseen(standing, seen)
+    if not motifs:
+        raise ValueError(f"{name}: {unseen or 'has no shapes'}; draw the objects in it as paths")
     about = _about(every, name)
     said = dict.fromkeys(note for motif in motifs for note in motif.notes)
-    unread = _unread(every)
-    notes = [*([f"{name}: its {', '.join(unread)} are not read; objects are drawn without"] if unread else []), *said]
+    unread = [*foreign.unread(every), *(["choices of a switch"] if choice else [])]
+    notes = [
+        *([f"{name}: its {', '.join(unread)} are not read; objects are drawn without"] if unread else []),
+        *([f"{name}: its {', '.join(sorted(words))} are not heeded; all is drawn in black with one pen"] if words else []),
+        *([f"{name}: {unseen}; left out"] if unseen else []),
+        *said,
+    ]
     return Library(str(about.get("name", name)), tuple(motifs), about, tuple(notes))
+
+
+def _unseen(standing: list[Any], seen: set[str]) -> str:
+    """Of which elements of a file nothing is seen, by their ids or as which of the shapes they are; empty where all are."""
+    rest = [(k, element) for k, element in enumerate(standing) if f"{STANDING}{k}" not in seen]
+    called = [repr(element.get("id")[:40]) if element.get("id") else f"shape {k + 1} (<{local(element)}>)" for k, element in rest]
+    more = f" and {len(rest) - NAMED} more" if len(rest) > NAMED else ""
+    return f"nothing is seen of {', '.join(called[:NAMED])}{more}: no area or length, no fill or stroke, or hidden" if rest else ""
 
 
 def _about(every: list[Any], name: str) -> dict[str, Any]:
@@ -159,44 +182,12 @@ def _about(every: list[Any], name: str) -> dict[str, Any]:
     return about
 
 
-def _refuse_foreign(every: list[Any], name: str) -> None:
-    """Raises ValueError for scripts and for links to other files: nothing is run and nothing fetched."""
-    for element in every:
-        if local(element) == "script" or any(key.lower().startswith("on") for key in element.attrib):
-            raise ValueError(f"{name}: has a script; save it as plain SVG")
-        links = [value for key, value in element.items() if key.rsplit("}", 1)[-1] == "href" and local(element) not in ("a", "script")]
-        rules = [element.get("style", ""), element.text or "" if local(element) == "style" else "", element.get("fill", "")]
-        links += [link for rule in rules for link in re.findall(r"(?:url\(|@import)\s*['\"]?([^'\")\s]+)", rule)]
-        for link in links:
-            if not link.strip().startswith(("#", "data:")):
-                raise ValueError(f"{name}: refers to another file ({link[:40]!r}); put what it draws into this one")
-
-
-def _objects(root: Any) -> list[Any]:
-    """The elements that are one object each."""
-    parts = [child for child in root if local(child) in SHAPES | GROUPS]
-    if len(parts) == 1 and local(parts[0]) in GROUPS - {"use"}:
-        return _objects(parts[0])
-    layered = [any(key.endswith("groupmode") and value == "layer" for key, value in part.items()) for part in parts]
-    return [one for part, layer in zip(parts, layered, strict=True) for one in (_objects(part) if layer else [part])]
-
-
-def _unread(every: list[Any]) -> list[str]:
-    """The words for what a file has and is not read, in the order of the table."""
-    found = {UNREAD.get(local(element)) for element in every}
-    found |= {word for element in every for key, word in UNREAD_OF.items() if element.get(key, "none") != "none"}
-    found |= {"gradients" for element in every if "url(#" in element.get("fill", "") + element.get("style", "")}
-    return [word for word in dict.fromkeys([*UNREAD.values(), *UNREAD_OF.values()]) if word in found]
-
-
-def _motif(parts: list[tuple[Paths, Any]]) -> Motif:
-    """The object of all paths of its shapes. Raises ValueError where they have neither area nor length."""
-    extent = float(np.ptp(np.concatenate([paths.xy for paths, _ in parts]), axis=0).max())
-    if not extent > 0:
-        raise ValueError("has neither area nor length; remove it")
-    flat = [(paths.flat(FLAT * extent), str(shape.values.get("fill")).strip() != "none") for paths, shape in parts]
-    filled = [paths for paths, fill in flat if paths.closed and fill]
-    whole, crossed = _filled(filled)
+def _motif(parts: list[Part]) -> Motif | None:
+    """The object of all paths of its shapes, None where they have neither area nor length. Raises ValueError where it is too thin."""
+    extent = float(np.ptp(np.concatenate([paths.xy for paths, _, _ in parts]), axis=0).max())
+    flat = [(paths.flat(FLAT * extent), fill) for paths, _, fill in parts]
+    winding = [str(shape.values.get("fill-rule", "")).strip().lower() != "evenodd" for _, shape, _ in parts]
+    whole, crossed = _filled([(paths, rule) for (paths, fill), rule in zip(flat, winding, strict=True) if paths.closed and fill])
     lines = Paths.of(
         [
             np.concatenate([path, path[:1]]) if paths.closed else path
@@ -207,18 +198,20 @@ def _motif(parts: list[tuple[Paths, Any]]) -> Motif:
         closed=False,
     )
     if shapely.area(whole) <= THIN * extent**2:
+        if not of_sides(lines).mass.sum() > 0 and shapely.area(whole) > ROUNDING * extent**2:
+            raise ValueError(f"is too thin for an area ({shapely.area(whole):.3g} mm2 at {extent:.3g} mm); draw it as a line")
         whole = shapely.Polygon()
         if not of_sides(lines).mass.sum() > 0:
-            raise ValueError("has neither area nor length; remove it")
+            return None
     rings, _ = Paths.of_polygons(np.array([whole], dtype=object))
     masses = of_rings(rings) if len(rings) else of_sides(lines)
     start = rings.xy[:1] if len(rings) else lines.xy[:1]
     mass = pooled(masses, np.zeros(len(masses.mass), np.int64), 1, start)
-    notes = ("an outline crosses itself; it was split where it does",) if crossed else ()
+    notes = ("an outline crosses itself; what its fill rule fills was outlined anew",) if crossed else ()
     art = [paths.moved(np.eye(2), -mass.centroid[0]) for paths in (rings, lines)]
     outlines = drawn(art[0] if len(rings) else art[1])
     axis = turn = long_axis(outlines, mass.covariance)
-    sole = [paths for paths, _ in parts if paths.closed]
+    sole = [paths for paths, _, _ in parts if paths.closed]
     glyph = None
     if len(rings) == 1 and not len(lines):
         outline = sole[0].curved() if len(sole) == 1 and len(sole[0]) == 1 and not crossed else rings.curved()
@@ -231,13 +224,15 @@ def _motif(parts: list[tuple[Paths, Any]]) -> Motif:
     return Motif(glyph, rings, lines, around, turn, axis - turn, fold_of(outlines, mass.covariance), notes)
 
 
-def _filled(filled: list[Paths]) -> tuple[shapely.Geometry, bool]:
-    """The area that closed shapes cover together, each by the even-odd rule, and whether an outline crosses itself."""
+def _filled(filled: list[tuple[Paths, bool]]) -> tuple[shapely.Geometry, bool]:
+    """The area that closed shapes cover together, by winding or else even-odd, and whether an outline crosses itself."""
     found, crossed = [], False
-    for paths in filled:
+    for paths, winding in filled:
         rings = paths.polygons()
-        crossed |= not bool(shapely.is_valid(rings).all())
-        found.append(reduce(shapely.symmetric_difference, shapely.make_valid(rings)))
+        sound = bool(shapely.is_valid(rings).all())
+        crossed |= not sound
+        wound = winding and not (sound and len(rings) == 1)  # of one sound ring both rules give the same
+        found.append(shapely.union_all(covered(paths)) if wound else reduce(shapely.symmetric_difference, shapely.make_valid(rings)))
     parts = shapely.get_parts(shapely.union_all(found)) if found else np.array([], dtype=object)
     return shapely.union_all(parts[shapely.get_type_id(parts) == shapely.GeometryType.POLYGON]), crossed
 

@@ -30,6 +30,12 @@ def of_each(objects: Objects, motifs: Motifs, pen: float) -> Array:
     return found
 
 
+def length(objects: Objects, motifs: Motifs) -> float:
+    """How long objects are in the mean, mm; 0 where there are none."""
+    across = np.array([motif.across for motif in motifs])[objects.shape] * objects.scale
+    return float(across.mean()) if len(across) else 0.0
+
+
 def given(objects: Objects, motifs: Motifs, pen: float, ink: Array, least: float) -> Objects:
     """The objects where they are, each as large as so much ink (n,) mm^2 makes it, but no smaller than the scale `least`."""
     scale = np.zeros(len(objects))

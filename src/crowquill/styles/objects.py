@@ -40,6 +40,7 @@ PUSHED = 12  # rounds of making room
 EVENED = 5  # rounds in which neighbours take over what an object cannot hold, each of so much over it had
 EASE = (0.7, 1.4)
 LIMITS = (0.3, 1.7)  # of its planned area, beyond which an object is not made smaller or larger
+SHRUNK = 0.9  # of the length planned; below it is said
 FINEST = 0.05  # of the size; smaller ones are left out
 PAIRS = 1e7  # of objects within reach of each other; ticks have ten each
 LEAST = 0.07  # mm^2 of ink, a dot of 0.3 mm, from which on there is an object
@@ -171,11 +172,8 @@ def _planned(
     wish = importance(tone) if by_tone else None
     for _ in range(3 if dots is not None else 1):
         each = np.array([motif.ink(width / long, pen) for motif in library.motifs])
-        cap = (
-            CAP
-            if overlap
-            else clearance.packed(library.motifs, width / long, pen) * min(1.0, width * (1 + GAP) / (width + (gap or 0.0))) ** 2
-        )
+        room = min(1.0, width * (1 + GAP) / (width + (gap or 0.0))) ** 2
+        cap = CAP if overlap else clearance.packed(library.motifs, width / long, pen) * room
         sigma = [width / side for side in reversed(asked.pixel)]
         near = np.clip(gaussian_filter(np.minimum(asked.coverage, cap), sigma, mode="nearest", truncate=3.0), 1e-4, cap)
         swell = np.interp(near, RENDERED, NOMINAL) / near if overlap else 1.0
@@ -287,11 +285,11 @@ def _measured(objects: Objects, plan: Plan) -> dict[str, Any]:
     motifs = plan.library.motifs
     pairs, lost = inks.overlaps(objects, motifs, plan.pen)
     placed, asked = float(inks.of_each(objects, motifs, plan.pen).sum()) - lost, plan.asked.ink
-    across = np.array([motif.across for motif in motifs])[objects.shape] * objects.scale
     return {
         "marks": len(objects),
         "objects": plan.library.name,
-        "size_mm": float(across.mean()) if len(across) else plan.size,
+        "size_mm": inks.length(objects, motifs) or plan.size,
+        "size_planned_mm": inks.length(plan.of_ink(objects, plan.areas(objects)), motifs) or plan.size,
         "ink_asked_mm2": asked,
         "ink_placed_mm2": placed,
         "coverage_missing": max(0.0, 1 - placed / asked) if asked else 0.0,
@@ -311,6 +309,8 @@ def _warnings(report: dict[str, Any], plan: Plan, overlap: bool) -> list[str]:
     elif missing > 0.02:
         wish = "objects of other shapes or lighter tones would help" if overlap else "--overlap or lighter tones would help"
         said.append(f"{missing:.1%} of the ink asked for is not reached; {wish}")
+    if report["size_mm"] < SHRUNK * report["size_planned_mm"]:
+        said.append(f"objects are {report['size_mm']:.3g} mm long in the mean, not {report['size_planned_mm']:.3g} as planned, to fit")
     if report["overlaps"] and not overlap:
         said.append(f"{report['overlaps']} pairs of objects overlap, by {report['overlap_mm2']:.3g} mm2; fewer or smaller ones would not")
     if report["removed"]:
