@@ -15,7 +15,7 @@ from crowquill import Layer, Sheet, Tone, draw, save
 STONE = np.array([(40, 20, 25), (140, 60, 35), (222, 150, 80), (250, 236, 205)])  # dark to light
 
 
-def make() -> Sheet:
+def make(tile: float = 1.9) -> Sheet:
     tone = Tone.load(Path(__file__).with_name("specimen.png"), width=88, tone="grey")
     y, x = np.indices(tone.coverage.shape) / tone.coverage.shape[1]
     areas, _ = ndimage.label(tone.coverage < 0.015)
@@ -27,7 +27,7 @@ def make() -> Sheet:
 
     layers, (width, height) = [], tone.size
     for k, mode in enumerate(("hausner", "rows", "lloyd", "cells")):
-        (stones,) = draw("mosaic", tone, mode=mode, tile=1.9, grout=0.2).layers
+        (stones,) = draw("mosaic", tone, mode=mode, tile=tile, grout=0.2).layers
         art = stones.art.moved(np.eye(2), ((width + 4) * (k % 2), (height + 4) * (k // 2)))
         layers.append(Layer(stones.ink, art, mode, stones.fill))
     return Sheet((2 * width + 4, 2 * height + 4), tuple(layers)).on((2 * width + 20, 2 * height + 20), margin=6)

@@ -16,7 +16,7 @@ from crowquill.finishing import finish
 from crowquill.tracing import canvas
 
 
-def make() -> Sheet:
+def make(pen: float = 0.3) -> Sheet:
     picture = Path(__file__).with_name("specimen.png")
     tone = Tone.load(picture, width=98)
     tone = replace(tone, canvas=canvas("auto", picture, tone.size))
@@ -30,7 +30,7 @@ def make() -> Sheet:
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "lines.svg").write_text(svg, encoding="utf-8")
         over = finish(tone, outline=f"{folder}/lines.svg", outline_gap=0.12, scale_bar="auto", scale="1 mm = 1.25 mm")
-    return over.drawn(draw("stipple", over.freed(tone, 0.3), pen=0.3)).on((110, 116), margin=4)
+    return over.drawn(draw("stipple", over.freed(tone, pen), pen=pen)).on((110, 116), margin=4)
 
 
 if __name__ == "__main__":

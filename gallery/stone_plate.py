@@ -9,9 +9,9 @@ from pathlib import Path
 from crowquill import Sheet, Tone, draw, save
 
 
-def make() -> Sheet:
+def make(tile: float = 1.5) -> Sheet:
     tone = Tone.load(Path(__file__).with_name("specimen.png"), width=128, gamma=0.85)
-    return draw("mosaic", tone, tile=1.5, grout=0.12, one_ink=True, white=0.06).on("a5", margin=10)
+    return draw("mosaic", tone, tile=tile, grout=0.12, one_ink=True, white=0.06).on("a5", margin=10)
 
 
 if __name__ == "__main__":

@@ -21,7 +21,9 @@ from crowquill.units import POINT, paper
 GALLERY = Path(__file__).resolve().parents[1] / "gallery"
 SCRIPTS = sorted(GALLERY.glob("*.py"))
 # at their own sizes, in mm, they take ten seconds and more
-SMALLER = {"plate": {"width": 50.0}, "sizes": {"width": 50.0}, "duotone": {"width": 50.0}, "journal_plate": {"pen": 0.6}}
+SMALLER = {"plate": {"width": 50.0}, "sizes": {"width": 50.0}, "duotone": {"width": 50.0}}
+SMALLER |= {"figure_3_11": {"width": 40.0}, "figure_3_12": {"tile": 5.0}, "mixed_plate": {"tile": 4.0}, "stone_plate": {"tile": 4.0}}
+SMALLER |= {"journal_plate": {"pen": 0.6}, "outline": {"pen": 0.8}}
 COLOURED = {"measures", "plotter", "duotone", "figure_3_12"}
 KILOBYTES = {"plate": 900, "specimen": 2500}  # of a PNG; 400 for the others
 SAVED = """if __name__ == "__main__":
