@@ -168,6 +168,7 @@ def test_a_canvas_smaller_than_a_square_has_an_answer(shape):
         ({"lpi": 50, "pitch": 0.5}, "both given; leave one out"),
         ({"pitch": 0}, "pitch is 0; it takes a number from"),
         ({"pitch": 0.0201}, "over the limit of"),
+        ({"pitch": 0.05, "min_dot": 0.06}, "a pitch of 0.05 mm has no dots over 0.056 mm, and min-dot is 0.06 mm; take a coarser ruling"),
         ({"shape": "square"}, "no shape 'square'; there are round, euclidean, ellipse, diamond, .*, or the path of an SVG file"),
         ({"phase": (0.1,)}, "phase is .*; it takes 2 numbers"),
     ],

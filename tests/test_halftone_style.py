@@ -169,6 +169,15 @@ def test_a_1_bit_tiff_has_the_cells_themselves_at_their_dpi(tmp_path: Path) -> N
     assert ink.sum() * (INCH / 300) ** 2 == pytest.approx(tone.ink, rel=0.005) and (ink == ~np.asarray(png)).all()
 
 
+@pytest.mark.parametrize(("names", "form"), [(["a.png"], "1"), (["a.tiff", "a.png"], "1"), (["a.png", "a.svg"], "L")])
+def test_auto_is_pixels_where_all_files_are(tmp_path: Path, names: list[str], form: str) -> None:
+    Image.fromarray(np.uint8(255 * (1 - RAMP.coverage))).save(tmp_path / "ramp.png")
+    out = [str(tmp_path / name) for name in names]
+    assert main(["halftone", str(tmp_path / "ramp.png"), *out, "--cells-per-inch", "150", "--paper", "60x50mm", "--quiet"]) == 0
+    with Image.open(tmp_path / "a.png") as png:
+        assert png.mode == form
+
+
 A4 = """
 import resource, numpy as np
 from crowquill import Tone, draw, formats

@@ -185,7 +185,7 @@ def _several(value: Any, takes: Numbers) -> tuple[float, ...]:
     try:
         return tuple(float(part) for part in parts)
     except ValueError:
-        raise typer.BadParameter(f"{value!r} is not {takes.help}, such as 0.1,0,0.8,1") from None
+        raise typer.BadParameter(f"{value!r} is not {takes.count or 'some'} numbers parted by commas: {takes.help}") from None
 
 
 def _asked(read: Callable[[str], float], text: str) -> float:

@@ -14,9 +14,10 @@ import numpy.typing as npt
 import shapely
 
 from crowquill import raster
-from crowquill.kernel import compiled, shared_out
+from crowquill.kernel import compiled
 from crowquill.marks import whole
 from crowquill.paths import Array, Index, Paths
+from crowquill.printable import clipped, simplified
 from crowquill.tone import Tone
 from crowquill.units import INCH
 
@@ -24,8 +25,6 @@ LPI = 50.0  # lines to the inch where nothing is said: they are seen as lines at
 MOST = 10_000_000  # pitches squared on the canvas: A4 at 320 lpi; a file of more takes gigabytes
 NODE = 0.02  # mm: between nodes outlines are straight, and cut off corners; 8 to 32 to a pitch
 TILE = 32  # pitches a side of what is contoured at a time
-FINE = 5e-4  # mm that a simplified outline may stray, half of what files keep: round outlines lose a little by it
-NOTHING = 1e-9  # mm^2: slivers of which rounding leaves nothing
 LEVELS = np.linspace(0, 1, 257)
 OUT = 0.1  # how far beyond 0 and 1 levels go where there is no ink, or nothing but ink
 
@@ -159,6 +158,14 @@ def contoured(ground: Ground, tone: Tone, lattice: Lattice, wave: Wave, least: f
     least, most  coverage below which there is no ink, and from which on there is nothing but ink
     gives        for each square outlines and behind each its holes, which turn the other way; squares overlap by a node
     """
+    for square, paths in squares(ground, tone, lattice, wave, least, most):
+        yield paths if shapely.contains_properly(tone.canvas, square) else clipped(paths, tone.canvas)
+
+
+def squares(
+    ground: Ground, tone: Tone, lattice: Lattice, wave: Wave, least: float, most: float, beyond: int = 0
+) -> Iterator[tuple[shapely.Geometry, Paths]]:
+    """Squares that cover the canvas, and the outlines as of contoured() in each, not cut, as many pitches beyond it as are asked for."""
     n = len(wave.nodes)
     low, high = lattice.reach(tone.canvas)
     for v in range(low[1], high[1] + 1, TILE):
@@ -167,46 +174,19 @@ def contoured(ground: Ground, tone: Tone, lattice: Lattice, wave: Wave, least: f
             square = shapely.buffer(shapely.polygons(np.stack(corners, axis=1)), float(np.abs(lattice.steps).sum()) / n)
             if not shapely.intersects(tone.canvas, square):
                 continue
-            along = np.arange(TILE * n + 2)
-            x, y = lattice.places(u + along / n, v + along[:, None] / n)
+            along = np.arange((TILE + 2 * beyond) * n + 2)
+            left, top = u - beyond, v - beyond
+            x, y = lattice.places(left + along / n, top + along[:, None] / n)
             level = wave.levels(ground.at(x, y), least, most)
             rings = _contours(wave.nodes[np.ix_(along % n, along % n)] - level, n * wave.square)
-            xy = np.stack(lattice.places(u + rings.xy[:, 0] / n, v + rings.xy[:, 1] / n), axis=1)
-            paths = simplified(Paths(xy, rings.start))
-            yield paths if shapely.contains_properly(tone.canvas, square) else clipped(paths, tone.canvas)
-
-
-def clipped(paths: Paths, canvas: shapely.Geometry) -> Paths:
-    """Outlines, each with the holes behind it, cut at a canvas."""
-    paths = paths.take(np.flatnonzero((np.diff(paths.start) > 2) & (np.abs(paths.areas) > NOTHING)))
-    if not len(paths):
-        return paths
-    rings = shapely.linearrings(paths.xy, indices=paths.path)
-    first = np.append(np.flatnonzero(paths.areas > 0), len(paths))
-    ends = np.append(0, np.cumsum(shapely.get_num_coordinates(rings)))
-    polygons = shapely.from_ragged_array(shapely.GeometryType.POLYGON, shapely.get_coordinates(rings), (ends, first))
-    crossed = ~shapely.is_valid(polygons)  # corners that touch
-    polygons[crossed] = shapely.make_valid(polygons[crossed], method="structure", keep_collapsed=False)
-    shapely.prepare(canvas)
-    cut = ~shapely.contains_properly(canvas, polygons)
-    polygons[cut] = shapely.intersection(polygons[cut], canvas)
-    parts = shapely.get_parts(shapely.get_parts(polygons))
-    parts = parts[(shapely.get_type_id(parts) == shapely.GeometryType.POLYGON) & (shapely.area(parts) > 0)]
-    return Paths.of_polygons(parts)[0]
+            xy = np.stack(lattice.places(left + rings.xy[:, 0] / n, top + rings.xy[:, 1] / n), axis=1)
+            yield square, simplified(Paths(xy, rings.start))
 
 
 def joined(parts: list[Paths], closed: bool = True) -> Paths:
     """All paths of several, in their order."""
     start = np.concatenate([[0], np.cumsum(np.concatenate([np.zeros(0, np.int64), *(np.diff(part.start) for part in parts)]))])
     return Paths(np.concatenate([np.zeros((0, 2)), *(part.xy for part in parts)]), start.astype(np.int64), closed)
-
-
-def simplified(paths: Paths) -> Paths:
-    """The same straight paths with fewer points: none left out is further than FINE mm from the side that takes its place."""
-    kept = np.zeros(len(paths.xy), bool)
-    shared_out(lambda lo, hi: _kept(paths.xy, paths.start, FINE, kept, lo, hi), len(paths), 512)
-    start = np.concatenate([[0], np.cumsum(kept)])[paths.start]
-    return Paths(paths.xy[kept], start, paths.closed)
 
 
 def inked(paths: Paths, angles: tuple[float, ...], pitch: float, pen: float | None = None) -> float:
@@ -277,6 +257,22 @@ def value(coverage: Array, x: float, y: float) -> float:
     return float(upper + t * (lower - upper))
 
 
+def strips(ground: Ground, start: Array, along: Array, count: int, across: Array) -> Array:
+    """The mean coverage of strips, (m, count): at start (m, 2) + k along, from there to as far as `across` reaches, all mm."""
+    samples = max(1, int(np.ceil(np.hypot(*across) / min(ground.pixel))))
+    found = np.empty((len(start), count))
+    _read_strips(ground.coverage, start / ground.pixel, along / ground.pixel, across / ground.pixel, samples, found)
+    return found
+
+
+def held(ground: Ground, x: Array, y: Array) -> npt.NDArray[np.bool_]:
+    """Which places lie in pixels of the canvas."""
+    h, w = ground.inside.shape
+    column, row = np.floor(x / ground.pixel[0]).astype(np.int64), np.floor(y / ground.pixel[1]).astype(np.int64)
+    on = (column >= 0) & (column < w) & (row >= 0) & (row < h)
+    return np.asarray(on & (ground.inside[np.clip(row, 0, h - 1), np.clip(column, 0, w - 1)] > 0.5))
+
+
 @compiled
 def _read(coverage: Array, x: Array, y: Array, found: Array) -> None:
     """Fills the coverage at places in pixels."""
@@ -285,35 +281,13 @@ def _read(coverage: Array, x: Array, y: Array, found: Array) -> None:
 
 
 @compiled
-def _kept(xy: Array, start: Index, fine: float, kept: Array, lo: int, hi: int) -> None:
-    """Marks the points to keep of paths lo to hi: from each on, the next is the last that a straight side reaches past all between.
-
-    The side's direction has to stay within a cone that every point passed narrows. A cone that is open to both sides holds all.
-    """
-    for path in range(lo, hi):
-        begin, end = start[path], start[path + 1]
-        if begin == end:
-            continue
-        anchor = begin
-        kept[begin] = kept[end - 1] = True
-        low, high, middle, far, none = 0.0, 0.0, 0.0, 0.0, True
-        k = begin + 1
-        while k < end:
-            dx, dy = xy[k, 0] - xy[anchor, 0], xy[k, 1] - xy[anchor, 1]
-            length = np.hypot(dx, dy)
-            turn = np.arctan2(dy, dx) - middle
-            turn -= 2 * np.pi * np.round(turn / (2 * np.pi))
-            if not none and (turn < low or turn > high or length < far - fine):
-                anchor = k - 1 if k - 1 > anchor else k
-                kept[anchor] = True
-                none, far = True, 0.0
-                k = anchor + 1
-                continue
-            far = max(far, length)
-            if length > fine:
-                room = np.arcsin(fine / length)
-                if none:
-                    middle, low, high, none = middle + turn, -room, room, False
-                else:
-                    low, high = max(low, turn - room), min(high, turn + room)
-            k += 1
+def _read_strips(coverage: Array, start: Array, along: Array, across: Array, samples: int, found: Array) -> None:
+    """Fills the mean of so many samples across each strip, all in pixels."""
+    for m in range(found.shape[0]):
+        for k in range(found.shape[1]):
+            x, y = start[m, 0] + k * along[0], start[m, 1] + k * along[1]
+            total = 0.0
+            for n in range(samples):
+                t = (n + 0.5) / samples
+                total += value(coverage, x + t * across[0], y + t * across[1])
+            found[m, k] = total / samples

@@ -40,7 +40,10 @@ def draw(
     pitch: Annotated[float | None, Range(0.02, 101.6, "mm", "from dot to dot, in place of lpi")] = None,
     angle: Annotated[float, Range(-180, 180, "", "degrees in which rows run, clockwise from level")] = 45.0,
     phase: Annotated[tuple[float, ...] | None, Numbers(0, 1, "", "where the lattice lies, in pitches (by seed)", 2)] = None,
-    shape: Annotated[str, Text("round, euclidean, ellipse, diamond, or a library of dots: a name or an SVG file", file=True)] = "round",
+    shape: Annotated[
+        str,
+        Text("round, euclidean, ellipse, diamond, or a library: a name or an SVG file; all but euclidean hang over the edge", file=True),
+    ] = "round",
     min_dot: Annotated[float, Range(0, 10, "mm", "least diameter that prints; smaller dots are left out")] = 0.03,
 ) -> Work:
     """A sheet the tone's size with one layer of black dots, of which each covers what its own square of the lattice asks for.
@@ -49,12 +52,19 @@ def draw(
              a library are turned at random. "euclidean" is round, at one half a checkerboard, and in the shadows all ink but for
              round holes: outlines cut at the canvas, which follow the tone inside their squares too; all others are marks
     canvas   a square that it cuts has a dot of the ink of its part, at its middle where that lies on the canvas, and
-             at the part's own otherwise; such dots may reach over the edge
+             at the part's own otherwise. Dots at the edge are whole, and hang over it by up to half their width; those of
+             "euclidean" are cut
     min_dot  the report has what smaller dots would have held, mm^2 and share
-    no ink   an empty sheet and a warning. Raises ValueError for lpi and pitch together, a ruling too fine, an unknown shape
+    no ink   an empty sheet and a warning. Raises ValueError for lpi and pitch together, a ruling too fine for the canvas or for
+             min_dot, and an unknown shape
     """
     clock = Clock()
     p = ruling(lpi, pitch, tone)
+    largest = p * 2 / np.sqrt(np.pi)  # of a dot that has all of its square
+    if largest < min_dot:
+        raise ValueError(
+            f"a pitch of {p:.4g} mm has no dots over {largest:.2g} mm, and min-dot is {min_dot:g} mm; take a coarser ruling, or less"
+        )
     library = None if shape == "euclidean" else _glyphs(shape)
     chance = rng.spawn(2)
     shift = phases(phase, 2, chance[0])

@@ -47,7 +47,9 @@ def draw(
     serpentine: Annotated[bool, Flag("error diffusion to and fro, not each row from the left")] = True,
     cell: Annotated[float | None, Range(0.005, 50, "mm", "side of a cell (0.3mm)")] = None,
     cells_per_inch: Annotated[float | None, Range(0.5, 5080, "", "the same, as the dpi of a device")] = None,
-    form: Annotated[str, Choice(FORMS, "what is drawn; auto is polygons while these have few corners, else pixels")] = "auto",
+    form: Annotated[
+        str, Choice(FORMS, "what is drawn; auto is pixels for PNG and TIFF alone, else polygons while these have few corners")
+    ] = "auto",
     glyphs: Annotated[str | None, Text("library of dots: a name, or an SVG file (the nib nearest to the cell)", file=True)] = None,
     max_dots: Annotated[int, Range(1, 100_000_000, "", "refuse to draw more")] = 2_000_000,
 ) -> Work:
