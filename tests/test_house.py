@@ -23,7 +23,7 @@ paths
 hilbert halftone vector picture delaunay lettering marks hatching
 light
 tone tracing sheet curves
-cells glyphs raster forme scale plotforms greydots
+cells glyphs raster forme scale plotforms greydots printable
 trimming plots
 moments measure field layout contact
 spectrum quadrature texture likeness inertia tiles

@@ -34,6 +34,7 @@ def test_in_the_file_no_two_stones_are_nearer_than_the_grout(mode):
     _, found = vector.shapes(crowquill.to_bytes(sheet, "svg"), "mosaic.svg")
     rings = crowquill.Paths.of([np.round(ring, 3) for paths, _ in found for ring in paths])
     assert len(rings) == sheet.report["marks"] > 250
+    assert shapely.is_valid(rings.polygons()).all()
     overlap, nearest = met(rings)
     assert overlap == 0 and nearest >= 0.15 - 1e-9  # of reading millimetres as pixels and back
     assert sheet.report["grout_least_mm"] == pytest.approx(nearest) and sheet.report["overlap_mm2"] == 0
@@ -127,6 +128,10 @@ def test_in_one_ink_stones_are_as_large_as_the_tone_asks(mode):
     assert middle == pytest.approx(0.48, rel=0.06)  # whole stones on the circle's edge
 
 
+def test_stones_in_colours_miss_no_ink():
+    assert drawn(Tone(np.ones(DISC.shape), SIZE)).report["coverage_missing"] == 0
+
+
 def test_in_one_ink_what_is_too_dark_is_said():
     sheet = drawn(Tone(np.ones((20, 20)), (20.0, 20.0)), one_ink=True)
     assert sheet.report["coverage_missing"] > 0.1
@@ -139,6 +144,26 @@ def test_white_paper_gets_no_stones():
     assert sheet.layers[0].art.xy[:, 0].min() > 14.5  # a stone over the border holds less than the cutoff
     empty = drawn(Tone(np.zeros((5, 5)), SIZE))
     assert empty.report["marks"] == 0 and "no ink" in empty.report["warnings"][0]
+
+
+def test_the_white_cutoff_is_of_coverage_however_strong_a_colour_is():
+    red = np.full((*DISC.shape, 3), (255, 0, 0), np.uint8)
+    strong = Tone(np.full(DISC.shape, 0.6), SIZE, rgb=red)
+    assert drawn(strong, white=0.5).report["marks"] > 250
+    none = drawn(strong, white=1.0)
+    assert none.report["marks"] == 0 and "no ink" in none.report["warnings"][0]
+    assert drawn(Tone(np.ones(DISC.shape), SIZE), white=1.0).report["marks"] > 250  # black is not below it
+
+
+def test_on_a_canvas_of_pixels_outlines_in_the_file_are_sound():
+    disc = np.hypot(COLUMN - 15, ROW - 12) < 11
+    row, column = np.nonzero(disc)
+    canvas = shapely.union_all(shapely.box(column / 4, row / 4, column / 4 + 0.25, row / 4 + 0.25))
+    sheet = drawn(Tone(DISC, SIZE, canvas, importance=np.where(COLUMN < 15, 0.3, 0.8)), iterations=5)
+    _, found = vector.shapes(crowquill.to_bytes(sheet, "svg"), "mosaic.svg")
+    rings = [shapely.Polygon(np.round(ring, 3)) for paths, _ in found for ring in paths]
+    assert len(rings) == sheet.report["marks"] > 200 and shapely.is_valid(rings).all()
+    assert shapely.covers(canvas, rings).all() and shapely.distance(rings, canvas.boundary).min() >= 0.06
 
 
 @pytest.mark.parametrize("mode", list(laying.WAYS))

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from crowquill import tiles
-from crowquill.parting import grown, parted
+from crowquill.parting import CORNERS, grown, parted
 from crowquill.paths import Paths
 from crowquill.picture import encoded, linear
 from crowquill.sheet import in_process, on_screen
@@ -63,6 +63,16 @@ def test_the_gap_holds_in_whole_micrometres():
     assert np.array_equal(rings.xy, np.round(rings.xy, 3))
 
 
+def test_outlines_that_rounding_folds_or_pinches_are_sound():
+    spike = shapely.Polygon([(0, 0), (1, 0), (1, 1), (0.5004, 1), (0.5002, 1.4), (0.5, 1), (0, 1)])
+    waist = shapely.Polygon([(0, 0), (1, 0.4999), (2, 0), (2, 2), (1, 0.5001), (0, 1)])
+    dust = shapely.Polygon([(0, 0), (2e-4, 0), (0, 2e-4)])
+    assert not shapely.is_valid(shapely.Polygon(np.round(shapely.get_coordinates(spike), 3)))
+    rings = tiles.rings_of(np.array([spike, dust, waist]))
+    assert shapely.is_valid(rings.polygons()).all()
+    assert rings.areas == pytest.approx([1, 0, 1], abs=1e-3) and list(np.diff(rings.start) > 0) == [True, False, True]
+
+
 def test_overlap_and_nearness_see_stones_that_were_not_parted():
     overlap, nearest = tiles.met(Paths.of([[(0, 0), (2, 0), (2, 2), (0, 2)], [(1, 0), (3, 0), (3, 2), (1, 2)]]))
     assert (overlap, nearest) == (2, 0)
@@ -104,6 +114,18 @@ def test_a_stone_that_is_empty_grows_into_a_hollow_and_leaves_its_neighbours_alo
     assert shapely.area(found[2]) == pytest.approx(2 * (2 - 2 * (GAP + tiles.SNAP)))
 
 
+def test_a_stone_of_many_corners_grows_from_what_it_was_cut_to():
+    around = np.arange(31) * 2 * np.pi / 31
+    rim = np.stack([np.cos(around), np.sin(around)], axis=1)
+    some = np.arange(0, 31, 4)
+    nibbling = tiles.squares((3.48 + GAP) * rim[some], around[some], np.ones((len(some), 2)))
+    full, angle = np.array([shapely.Polygon(3 * rim), *nibbling]), np.concatenate([[0.0], around[some]])
+    first = parted(full, angle, GAP)
+    assert shapely.get_num_coordinates(first[0]) > CORNERS // 2 >= shapely.get_num_coordinates(full[0])
+    found = grown(first, full, angle, GAP)
+    assert least_gap(found) >= GAP and within(found, full)
+
+
 def test_a_stone_across_a_line_keeps_its_larger_part_half_a_gap_off():
     (stone,) = tiles.squares(np.array([[0.0, 0.0]]), np.zeros(1), np.full((1, 2), 2.0))
     (found,) = tiles.severed(np.array([stone]), Paths.of([[(0.3, -5), (0.3, 5)]], closed=False), GAP)
@@ -132,6 +154,18 @@ def test_stones_over_the_canvas_end_half_a_gap_inside():
     assert shapely.within(some, shapely.box(5, 5, 15, 12)).all()
     assert shapely.distance(some, shapely.boundary(shapely.box(5, 5, 15, 12))).min() >= GAP / 2
     assert shapely.is_empty(found[shapely.disjoint(stones, shapely.box(5, 5, 15, 12))]).all()
+
+
+def test_along_steps_of_pixels_stones_are_cut_straight_and_along_straight_sides_to_the_edge():
+    steps = np.arange(200) * 0.1
+    stairs = np.repeat(np.stack([steps, steps], axis=1), 2, axis=0)
+    canvas = shapely.Polygon([*np.stack([stairs[1:, 0], stairs[:-1, 1]], axis=1), (20, 19.9), (20, 0)])
+    stones = np.array([shapely.box(6, 5, 8, 8), shapely.box(16, 0, 22, 3)])
+    rough, plain = tiles.held(stones, canvas, GAP), tiles.held(stones, canvas, GAP, 0.1)
+    assert shapely.get_num_coordinates(rough[0]) > 20 and shapely.get_num_coordinates(plain[0]) <= 6
+    assert shapely.covers(rough, plain).all() and shapely.area(plain[0]) > 0.85 * shapely.area(rough[0])
+    box = shapely.box(0, 0, 20, 20)
+    assert shapely.equals(tiles.held(stones, box, GAP, 0.1), tiles.held(stones, box, GAP)).all()
 
 
 def test_the_mean_over_a_stone_is_exact():
@@ -169,16 +203,29 @@ def test_without_colours_a_stone_is_as_grey_as_its_coverage():
     assert in_process(code[None])[0] == pytest.approx([0, 0, 0, 0.4])
 
 
-@pytest.mark.parametrize("text", ["#aa3322,#E8E0D0", "#aa3322 stone\n#e8e0d0 sand", "the two #aa3322;#e8e0d0"])
+@pytest.mark.parametrize("text", ["#aa3322,#E8E0D0", "#aa3322 stone\n#e8e0d0 sand", "#a32,#e8e0d0 sand;"])
 def test_a_palette_is_read_from_a_list(text):
     assert tiles.palette(text).tolist() == [[0xAA, 0x33, 0x22], [0xE8, 0xE0, 0xD0]]
 
 
+@pytest.mark.parametrize("text", ["#f00,red", "#f00 #12345", "#f00\n0000ff", "the two #aa3322;#e8e0d0", "#aabbccdd"])
+def test_no_entry_of_a_palette_is_passed_over(text):
+    with pytest.raises(ValueError, match=r"give some as #aa3322,#e8e0d0, not '(red|#12345|0000ff|the|#aabbccdd)'"):
+        tiles.palette(text)
+
+
 def test_a_palette_is_read_from_a_file_of_codes_or_of_gimp(tmp_path):
-    listed, gimp = tmp_path / "list.txt", tmp_path / "stones.gpl"
-    listed.write_text("# stones\n#aa3322\n#e8e0d0\n")
-    gimp.write_text("GIMP Palette\nName: stones 1\nColumns: 2\n#\n170  51  34\tred\n232 224 208\tsand\n")
+    listed, gimp = tmp_path / "list", tmp_path / "stones.gpl"
+    listed.write_bytes(b"\xef\xbb\xbf# stones, two\r\n#\r\n#aa3322 red\r\n\r\n#e8e0d0\r\n")
+    gimp.write_text("GIMP Palette\nName: stones 1\nColumns: 2\n# after '#aabbcc'\n170  51  34\tred\n232 224 208\n")
     assert tiles.palette(str(listed)).tolist() == tiles.palette(str(gimp)).tolist() == [[170, 51, 34], [232, 224, 208]]
+
+
+@pytest.mark.parametrize("row", ["300 2 3", "1 2", "red"])
+def test_a_row_of_a_gimp_palette_that_is_no_colour_is_refused(row, tmp_path):
+    (tmp_path / "bad.gpl").write_text(f"GIMP Palette\n255 0 0 red\n{row}\n")
+    with pytest.raises(ValueError, match=rf"bad\.gpl': '{row}' is no colour; give three numbers from 0 to 255"):
+        tiles.palette(str(tmp_path / "bad.gpl"))
 
 
 @pytest.mark.parametrize("text", ["", "red", "#12", "#12345"])

@@ -38,7 +38,7 @@ def grown(stones: Stones, full: Stones, angle: Array, gap: float) -> Stones:
     From a full stone goes what is too near another, in the direction that costs it least area; what becomes no larger stays.
     """
     corners, count, middle, pairs = _ready(full, gap + SNAP)
-    now, left, _, _ = _ready(stones, 0.0)
+    now, left = _corners(stones)
     both = np.concatenate([pairs, pairs[:, ::-1]])
     far = np.hypot(*(middle[both[:, 0]] - middle[both[:, 1]]).T)
     both = both[np.lexsort((far, both[:, 0]))]
@@ -48,25 +48,29 @@ def grown(stones: Stones, full: Stones, angle: Array, gap: float) -> Stones:
 
 
 def _ready(stones: Stones, gap: float) -> tuple[Array, Index, Array, Index]:
-    """Corners (n, CORNERS, 2) of stones, how many each has, their middles, and which pairs i < j are nearer than the gap, if any.
+    """Corners (n, CORNERS, 2) of stones, how many each has, their middles, and which pairs i < j are nearer than the gap.
 
     Stones of very many corners count as their boxes.
     """
     rough = stones.copy()
     many = shapely.get_num_coordinates(stones) > CORNERS // 2
     rough[many] = shapely.oriented_envelope(stones[many])
-    xy, stone = shapely.get_coordinates(shapely.get_exterior_ring(shapely.orient_polygons(rough)), return_index=True)
+    corners, count = _corners(rough)
+    middle = np.zeros((len(stones), 2))
+    middle[count > 0] = shapely.get_coordinates(shapely.centroid(rough[count > 0]))
+    first, second = shapely.STRtree(rough).query(rough, predicate="dwithin", distance=gap)
+    return corners, count, middle, np.stack([first, second], axis=1)[first < second]
+
+
+def _corners(stones: Stones) -> tuple[Array, Index]:
+    """Corners (n, CORNERS, 2) of stones of no more, and how many each has."""
+    xy, stone = shapely.get_coordinates(shapely.get_exterior_ring(shapely.orient_polygons(stones)), return_index=True)
     last = np.append(stone[1:] != stone[:-1], True)[: len(xy)]  # shapely repeats the first point of a ring
     xy, stone = xy[~last], stone[~last]
     count = np.bincount(stone, minlength=len(stones)).astype(np.int64)
     corners = np.zeros((len(stones), CORNERS, 2))
     corners[stone, np.arange(len(xy)) - (np.cumsum(count) - count)[stone]] = xy
-    middle = np.zeros((len(stones), 2))
-    middle[count > 0] = shapely.get_coordinates(shapely.centroid(rough[count > 0]))
-    if not gap:
-        return corners, count, middle, np.zeros((0, 2), np.int64)
-    first, second = shapely.STRtree(rough).query(rough, predicate="dwithin", distance=gap)
-    return corners, count, middle, np.stack([first, second], axis=1)[first < second]
+    return corners, count
 
 
 def _polygons(corners: Array, count: Index) -> Stones:

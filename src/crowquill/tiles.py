@@ -62,9 +62,16 @@ def severed(stones: Stones, lines: Paths, gap: float) -> Stones:
     return found
 
 
-def held(stones: Stones, canvas: shapely.Geometry, gap: float) -> Stones:
-    """Stones cut half a gap in mm inside a canvas; each keeps its largest part, or is empty."""
+def held(stones: Stones, canvas: shapely.Geometry, gap: float, fine: float = 0.0) -> Stones:
+    """Stones cut half a gap in mm inside a canvas; each keeps its largest part, or is empty.
+
+    fine  mm: an outline that needs fewer corners to stay within so much, as one of steps along pixels, is cut along
+          those, and further inside by as much
+    """
     inner = shapely.buffer(canvas, -(gap + SNAP) / 2, join_style="mitre")
+    if shapely.get_num_coordinates(shapely.simplify(inner, fine)) < shapely.get_num_coordinates(inner):
+        plain = shapely.simplify(shapely.buffer(inner, -fine, join_style="mitre"), fine)
+        inner = shapely.intersection(plain, inner)
     shapely.prepare(inner)
     found = stones.copy()
     over = ~shapely.contains_properly(inner, stones)
@@ -84,15 +91,14 @@ def largest(shapes: npt.NDArray[np.object_]) -> Stones:
 
 
 def rings_of(stones: Stones) -> Paths:
-    """The outlines of stones in whole micrometres, without corners that fall together; a stone none is left of has no points."""
-    xy, stone = shapely.get_coordinates(shapely.get_exterior_ring(stones), return_index=True)
-    xy = np.round(xy, 3)
-    same = np.append((xy[1:] == xy[:-1]).all(axis=1) & (stone[1:] == stone[:-1]), False)[: len(xy)]
-    last = np.append(stone[1:] != stone[:-1], True)[: len(xy)]  # shapely repeats the first point of a ring
-    kept = ~same & ~last
-    rings = Paths(xy[kept], np.concatenate([[0], np.cumsum(np.bincount(stone[kept], minlength=len(stones)))]))
-    areas = rings.areas
-    return Paths.of([ring if area >= 0 else ring[::-1] for ring, area in zip(rings, areas, strict=True)])
+    """The outlines of stones in whole micrometres, each sound; a stone none is left of has no points.
+
+    Where rounding folds a stone up or pinches it in two, its largest part stays.
+    """
+    snapped = shapely.orient_polygons(largest(shapely.set_precision(stones, 1e-3)))
+    xy, stone = shapely.get_coordinates(shapely.get_exterior_ring(snapped), return_index=True)
+    kept = ~np.append(stone[1:] != stone[:-1], True)[: len(xy)]  # shapely repeats the first point of a ring
+    return Paths(np.round(xy[kept], 3), np.concatenate([[0], np.cumsum(np.bincount(stone[kept], minlength=len(stones)))]))
 
 
 def met(rings: Paths) -> tuple[float, float]:
@@ -131,16 +137,42 @@ def colours(rings: Paths, tone: Tone) -> Array:
 def palette(text: str) -> Array:
     """The colours (n, 3), 0 to 255, of a list such as "#aa3322,#e8e0d0", or of a file of such, or a GIMP palette.
 
-    Raises ValueError where there are none.
+    A colour is #rrggbb or #rgb; a name may follow it, and in a file "# " begins a line of comment. Raises ValueError where there
+    are none, and for what is no colour.
     """
-    listed = text if not Path(text).suffix else contents(Path(text)).decode("utf-8", "replace")
-    codes = [[int(code[k : k + 2], 16) for k in (0, 2, 4)] for code in re.findall(r"#([0-9a-fA-F]{6})\b", listed)]
-    if not codes and Path(text).suffix:
-        rows = re.findall(r"^\s*(\d{1,3})\s+(\d{1,3})\s+(\d{1,3})\b", listed, re.MULTILINE)
-        codes = [[int(part) for part in row] for row in rows]
-    if not codes or max(map(max, codes)) > 255:
+    file = bool(text) and not text.lstrip().startswith("#") and (bool(Path(text).suffix) or Path(text).exists())
+    listed = contents(Path(text)).decode("utf-8-sig", "replace") if file else text
+    codes = _of_gimp(listed, text) if listed.startswith("GIMP Palette") else _of_list(listed, text)
+    if not codes:
         raise ValueError(f"palette {text!r} has no colours; give some as #aa3322,#e8e0d0, a file of such, or a GIMP palette")
     return np.array(codes, np.float64)
+
+
+def _of_list(listed: str, text: str) -> list[list[int]]:
+    """Colours between commas, semicolons and ends of lines, each with a name after it or without."""
+    codes = []
+    for entry in re.split(r"[,;\n]", re.sub(r"^[ \t]*#([ \t\r].*)?$", "", listed, flags=re.MULTILINE)):
+        for place, word in enumerate(entry.split()):
+            if place and not word.startswith("#"):
+                continue
+            if not re.fullmatch(r"#([0-9a-fA-F]{3}){1,2}", word):
+                raise ValueError(f"palette {text!r} has no colours; give some as #aa3322,#e8e0d0, not {word[:20]!r}")
+            digits = word[1:] if len(word) == 7 else "".join(2 * digit for digit in word[1:])
+            codes.append([int(digits[k : k + 2], 16) for k in (0, 2, 4)])
+    return codes
+
+
+def _of_gimp(listed: str, text: str) -> list[list[int]]:
+    """Colours of the rows of a GIMP palette: three numbers, and a name or none."""
+    codes = []
+    for line in listed.splitlines()[1:]:
+        if not line.strip() or re.match(r"\s*#|(Name|Columns|Channels):", line):
+            continue
+        row = re.match(r"\s*(\d+)\s+(\d+)\s+(\d+)(\s|$)", line)
+        if not row or max(map(int, row.groups()[:3])) > 255:
+            raise ValueError(f"palette {text!r}: {line.strip()[:40]!r} is no colour; give three numbers from 0 to 255")
+        codes.append([int(part) for part in row.groups()[:3]])
+    return codes
 
 
 def matched(codes: Array, choice: Array) -> Array:
@@ -162,4 +194,4 @@ def shrunk(rings: Paths, area: Array) -> Paths:
     own = moments.of_rings(rings)
     scale = np.sqrt(np.clip(area / np.where(own.mass > 0, own.mass, 1), 0, 1))
     middle = own.centroid[rings.path]
-    return Paths(np.round(middle + (rings.xy - middle) * scale[rings.path][:, None], 3), rings.start)
+    return rings_of(Paths(middle + (rings.xy - middle) * scale[rings.path][:, None], rings.start).polygons())

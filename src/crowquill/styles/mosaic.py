@@ -34,6 +34,7 @@ ROUNDS = 3  # of cutting; after each slivers go, and the others are cut anew in 
 FILLED = 2  # rounds of filling hollows
 EDGE = 0.5  # of a tile: the blur through which edges are found
 FAINT = 1e-4  # of ink; a stone of less is white paper
+ROUNDING = 1e-9  # of a mean of coverage
 LENGTH = 3.0  # tiles: shorter edges are left out
 
 
@@ -60,7 +61,8 @@ def draw(
               from the edges, without relaxation; "cells": Voronoi cells of relaxed sites, less half a grout all around
     grout     kept between any two stones and, by half, to edges and the canvas's outline, in the files too
     edges     "found": as by Canny, through a blur of half a tile; an SVG is laid over the drawing
-    one_ink   each stone shrinks to the ink asked for in its surroundings; what is too dark is `coverage_missing`
+    one_ink   each stone shrinks to the ink asked for in its surroundings; what is too dark is `coverage_missing`; of stones in
+              colours, which cover all, that is 0, and ink asked for and placed are not to be compared
 
     Colours are means over each stone of the light, or, without colours in the tone, of its coverage as grey. Importance of the
     tone makes stones finer, by half to twice. Slivers under 0.3 of a stone are left out and counted; hollows get stones of
@@ -86,11 +88,14 @@ def draw(
     yield Step("colour", 0, 1)
     rings = cutting.rings_of(stones)
     fill = _fill(rings, tone, one_ink)
-    kept = np.flatnonzero((fill.max(axis=1) >= max(white, FAINT)) & (rings.areas > 0))
-    rings, nominal = rings.take(kept), nominal[kept]
+    drawn = cutting.means(rings, tone.coverage, tone.size) >= white - ROUNDING
+    kept = np.flatnonzero(drawn & (fill.max(axis=1) >= FAINT) & (rings.areas > 0))
+    rings, nominal, fill = rings.take(kept), nominal[kept], fill[kept]
     if one_ink:
         rings = cutting.shrunk(rings, _due(ground, rings, asked))
-    fill = fill[kept] if colours is None else in_process(cutting.matched(cutting.colours(rings, tone), colours))
+        kept = np.flatnonzero(rings.areas > 0)
+        rings, nominal = rings.take(kept), nominal[kept]
+    fill = fill if colours is None else in_process(cutting.matched(cutting.colours(rings, tone), colours))
     layer = Layer(Ink(), rings, "stones", None if one_ink else fill)
     clock.lap("colour")
     report = {"mode": mode, **_measured(rings, nominal, ground, asked.ink, one_ink), "slivers": slivers}
@@ -208,7 +213,7 @@ def _cut(ground: Ground, state: Progress, grow: float) -> tuple[Stones, Array, i
 
 def _off(ground: Ground, stones: Stones) -> Stones:
     """Stones cut off edges and canvas."""
-    return cutting.held(cutting.severed(stones, ground.lines, ground.gap), ground.canvas, ground.gap)
+    return cutting.held(cutting.severed(stones, ground.lines, ground.gap), ground.canvas, ground.gap, ground.mean / 50)
 
 
 def _due(ground: Ground, rings: Paths, asked: Tone) -> Array:
