@@ -146,7 +146,7 @@ RINGS = st.lists(st.lists(POINT, min_size=3, max_size=6), min_size=1, max_size=4
 def test_any_rings_are_filled_by_the_nonzero_rule(rings: list[list[tuple[int, int]]]) -> None:
     """Against the renderer, which counts windings along lines: crossing, nested and folded rings alike."""
     paths = Paths.of(rings)
-    solid = shapely.union_all(hatching._solid(paths))
+    solid = shapely.union_all(hatching.covered(paths))
     truth = raster.covered(paths, (130, 130), pixel=(0.1, 0.1)).sum() * 0.01
     assert solid.area == pytest.approx(truth, abs=0.05)  # level borders between scan lines
     strokes = hatching.areas(paths, 0.2)
@@ -165,7 +165,7 @@ def test_a_bar_narrower_than_the_nib_is_one_stroke_along_it() -> None:
 def test_letters_finer_than_the_nib_can_still_be_read() -> None:
     words = lettering.text("ae8 0", 1, 3, size=2)
     ink = area(hatching.areas(words, 0.3), 0.3)
-    letters = shapely.union_all(hatching._solid(words.flat(0.005)))
+    letters = shapely.union_all(hatching.covered(words.flat(0.005)))
     assert letters.difference(ink.buffer(0.05)).area < 0.01 * letters.area
     assert ink.difference(letters.buffer(0.15)).area < 0.01 * ink.area
 

@@ -193,9 +193,7 @@ def test_knobs_out_of_range_are_refused_before_the_first_state(knob: str, value:
         lloyd([(1, 1)], RAMP, **{knob: value})
 
 
-@pytest.mark.parametrize(
-    ("options", "words"), [({"n": -1}, "n is -1"), ({"n": 5, "how": "poisson"}, "even, random, threshold")]
-)
+@pytest.mark.parametrize(("options", "words"), [({"n": -1}, "n is -1"), ({"n": 5, "how": "poisson"}, "even, random, threshold")])
 def test_wrong_starts_are_refused(options: dict, words: str) -> None:
     with pytest.raises(ValueError, match=words):
         scatter(RAMP, rng=np.random.default_rng(1), **options)
