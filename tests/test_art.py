@@ -10,7 +10,9 @@ import resvg_py
 from PIL import Image
 
 from crowquill import Sheet, load, to_bytes
+from crowquill.finishing import Finish
 from crowquill.paths import Paths
+from crowquill.plotting import plotted
 from crowquill.seen import of_sheet
 from crowquill.sheet import Bitmap, Ink, Layer, in_process, on_screen, outlined
 
@@ -101,3 +103,15 @@ def test_colours_of_rings_are_seen_as_dark_as_they_are():
     sheet = Sheet((3, 1), (Layer(Ink("stone"), rings, fill=in_process([(0, 0, 0), (255, 255, 255), (255, 0, 0)])),))
     dark, _ = of_sheet(sheet).coverage(1.0)
     assert np.allclose(dark, [[1, 0, 2 / 3]], atol=1 / 128)  # steps of a 64th
+
+
+def test_an_ink_and_a_pen_that_change_no_colour_of_rings_say_so():
+    rings = Paths.of([[(k, 0), (k + 1, 0), (k + 1, 1), (k, 1)] for k in range(2)])
+    plain = Sheet((2, 1), (Layer(Ink(), rings),))
+    stones = Sheet((2, 1), (Layer(Ink(), rings, fill=in_process([(200, 10, 30), (0, 0, 255)])),))
+    cyan = Finish(ink=Ink("cyan", (1.0, 0.0, 0.0, 0.0)))
+    assert "ink cyan is not used: the drawing has inks of its own" in cyan.drawn(stones).report["warnings"]
+    assert not cyan.drawn(plain).report.get("warnings")
+    said = "areas with colours of their own are drawn in one ink"
+    assert said in plotted(stones, nib=0.1).report["warnings"]
+    assert said not in plotted(plain, nib=0.1).report["warnings"]

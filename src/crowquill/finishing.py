@@ -74,7 +74,8 @@ class Finish:
         told: dict[str, Any] = {}
         said: list[str] = []
         layers = [replace(layer, ink=_inked(layer.ink, self.ink)) for layer in sheet.layers]
-        if self.ink != Ink() and all(layer.ink == old.ink for layer, old in zip(layers, sheet.layers, strict=True)):
+        own = [layer.fill is not None or layer.ink == old.ink for layer, old in zip(layers, sheet.layers, strict=True)]
+        if self.ink != Ink() and all(own):
             said.append(f"ink {self.ink.name} is not used: the drawing has inks of its own")
         if not self._white(0.0).is_empty:
             layers, told, more = self._freed(layers, sheet.report)

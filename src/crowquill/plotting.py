@@ -101,6 +101,7 @@ def plotted(
         raise ValueError(f"the splits make {len(told)} layers, over the limit of {LAYERS}; split less often")
     total = {key: sum(part[key] for part in told) for key in _figures(Strokes.of([]), machine)}
     warnings = [*sheet.report.get("warnings", []), *_warnings(sheet, nibs, took["dot"])]
+    warnings += ["areas with colours of their own are drawn in one ink"] if any(layer.fill is not None for layer in sheet.layers) else []
     report = {**sheet.report, "plot": {**total, "layers": told}, "warnings": warnings}
     return replace(sheet, layers=tuple(layers), report=report)
 
