@@ -5,7 +5,6 @@ asserted. `python bench/bench.py quick` leaves out the two whole plates.
 """
 
 import os
-import resource
 import shutil
 import subprocess
 import sys
