@@ -25,9 +25,11 @@ QUICK = ("--paper", "60x50mm", "--margin", "5mm", "--tone", "grey", "--dots", "8
 COMMAND = (sys.executable, "-m", "crowquill")
 # the program as it is, but for a line on stdout once relaxation is under way
 WATCHED = """
-import sys
+import signal, sys
 from crowquill import relax
 from crowquill.__main__ import run
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job, and all it starts, ignores Ctrl-C
 
 def lloyd(*arguments, **options):
     for state in original(*arguments, **options):
@@ -91,7 +93,10 @@ def test_a_signal_in_the_middle_of_relaxation_stops_it_and_leaves_nothing(desk, 
     with subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
         assert run.stdout is not None and run.stdout.readline() == "relaxing\n"
         run.send_signal(stop)
-        out, err = run.communicate(timeout=PATIENCE)
+        try:
+            out, err = run.communicate(timeout=PATIENCE)
+        finally:
+            run.kill()
     assert (run.returncode, out, err.splitlines()) == (code, "", says)
     assert held(desk) == before
 
