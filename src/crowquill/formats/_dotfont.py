@@ -7,7 +7,6 @@ as 0.76 (its outlines as 0.95), at 300 as 0.86, at 600 as 0.88, at 2540 as it is
 
 from __future__ import annotations
 
-import hashlib
 import io
 import zlib
 from dataclasses import dataclass
@@ -21,6 +20,7 @@ from fontTools import cffLib
 from fontTools.misc.psCharStrings import T2CharString
 
 from crowquill import hilbert
+from crowquill.formats._fonts import composite, mapped, tag
 from crowquill.formats._text import WIDEST, Bytes, _number, number
 from crowquill.kernel import compiled
 from crowquill.marks import TURN_STEPS, Glyph, Marks
@@ -84,41 +84,20 @@ def typeset(marks: Marks) -> tuple[str, list[Font]]:
 
 
 def resource(pdf: pikepdf.Pdf, font: Font) -> pikepdf.Object:
-    """The font as an object of the file: codes of two bytes, each of which is copied as a bullet."""
-    Name, Dictionary = pikepdf.Name, pikepdf.Dictionary
+    """The font as an object of the file: each of its characters is copied as a bullet."""
     left, low, right, top = font.box
-    file = pdf.make_stream(zlib.compress(font.program, 9), Filter=Name.FlateDecode, Subtype=Name.CIDFontType0C)
-    descriptor = Dictionary(
-        Type=Name.FontDescriptor,
-        FontName=Name(f"/{font.name}"),
-        Flags=4,  # no letters
-        FontBBox=[left, low, right, top],
-        ItalicAngle=0,
-        Ascent=top,
-        Descent=low,
-        CapHeight=top,
-        StemV=max(0, right - left),
-        MissingWidth=0,
-        FontFile3=file,
-    )
-    character = Dictionary(
-        Type=Name.Font,
-        Subtype=Name.CIDFontType0,
-        BaseFont=Name(f"/{font.name}"),
-        CIDSystemInfo=Dictionary(Registry=b"Adobe", Ordering=b"Identity", Supplement=0),
-        FontDescriptor=pdf.make_indirect(descriptor),
-        DW=0,
-    )
-    unicode = pdf.make_stream(zlib.compress(_bullets(font.count), 9), Filter=Name.FlateDecode)
-    whole = Dictionary(
-        Type=Name.Font,
-        Subtype=Name.Type0,
-        BaseFont=Name(f"/{font.name}-Identity-H"),
-        Encoding=Name("/Identity-H"),
-        DescendantFonts=[pdf.make_indirect(character)],
-        ToUnicode=unicode,
-    )
-    return pdf.make_indirect(whole)
+    file = pdf.make_stream(zlib.compress(font.program, 9), Filter=pikepdf.Name.FlateDecode, Subtype=pikepdf.Name.CIDFontType0C)
+    descriptor = {
+        "FontBBox": [left, low, right, top],
+        "ItalicAngle": 0,
+        "Ascent": top,
+        "Descent": low,
+        "CapHeight": top,
+        "StemV": max(0, right - left),
+        "MissingWidth": 0,
+        "FontFile3": file,
+    }
+    return composite(pdf, font.name, kind="CIDFontType0", descriptor=descriptor, character={}, unicode=_bullets(font.count))
 
 
 def _drawing(marks: Marks) -> tuple[Array, Index]:
@@ -166,8 +145,7 @@ def _font(shapes: list[tuple[list[Index], bool]]) -> Font:
     points = np.concatenate([np.zeros((0, 2), np.int64), *(ring for rings, _ in shapes for ring in rings)])
     box = np.concatenate([points.min(axis=0, initial=0), points.max(axis=0, initial=0)]).tolist()
     cuts = np.array([len(ring) * 2 + cubic for rings, cubic in shapes for ring in rings])
-    digest = hashlib.sha256(points.astype("<i8").tobytes() + cuts.astype("<i8").tobytes()).digest()
-    name = "".join(chr(65 + byte % 26) for byte in digest[:6]) + "+Dots"
+    name = tag(points.astype("<i8").tobytes() + cuts.astype("<i8").tobytes()) + "+Dots"
     subroutines, private = cffLib.GlobalSubrsIndex(), cffLib.PrivateDict()
     private.defaultWidthX = private.nominalWidthX = 0  # a dot advances by nothing
     top, part = cffLib.TopDict(GlobalSubrs=subroutines), cffLib.FontDict(GlobalSubrs=subroutines)
@@ -211,18 +189,7 @@ def _bullets(count: int) -> bytes:
     for lo in range(0, count + 1, 256):  # a range may not pass from one first byte to another
         hi = min(lo + 255, count)
         ranges.append(f"<{lo:04x}> <{hi:04x}> [{'<2022>' * (hi - lo + 1)}]")
-    blocks = [
-        f"{len(ranges[k : k + 100])} beginbfrange\n" + "\n".join(ranges[k : k + 100]) + "\nendbfrange" for k in range(0, len(ranges), 100)
-    ]
-    lines = [
-        "/CIDInit /ProcSet findresource begin\n12 dict begin\nbegincmap",
-        "/CIDSystemInfo << /Registry (Adobe) /Ordering (UCS) /Supplement 0 >> def",
-        "/CMapName /Adobe-Identity-UCS def\n/CMapType 2 def",
-        "1 begincodespacerange\n<0000> <ffff>\nendcodespacerange",
-        *blocks,
-        "endcmap\nCMapName currentdict /CMap defineresource pop\nend\nend",
-    ]
-    return "\n".join(lines).encode("ascii")
+    return mapped(ranges, "range")
 
 
 def _text(marks: Marks, fonts: list[Font], font: Index, code: Index, size: Index) -> str:

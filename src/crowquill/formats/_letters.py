@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import io
 import zlib
 from collections.abc import Iterable
@@ -11,6 +10,7 @@ from typing import Any
 
 import pikepdf
 
+from crowquill.formats._fonts import composite, mapped, tag
 from crowquill.lettering import Words, file, lacking
 from crowquill.sheet import Layer
 
@@ -116,50 +116,27 @@ def _told(font: Any, character: dict[str, int], capital: float) -> Face:
     buffer = io.BytesIO()
     font.save(buffer, reorderTables=True)
     program = buffer.getvalue()
-    # named by what is in it, since printers keep fonts by name
-    tag = "".join(chr(65 + byte % 26) for byte in hashlib.sha256(program).digest()[:6])
     plain = "".join(letter for letter in called if letter.isascii() and (letter.isalnum() or letter == "-")) or "Font"
     ascent, descent, high = (round(part * height) for height in (across.ascent, across.descent, capital))
-    return Face(f"{tag}+{plain}", character, widths, box, ascent, descent, high, slant, program)
+    return Face(f"{tag(program)}+{plain}", character, widths, box, ascent, descent, high, slant, program)
 
 
 def resource(pdf: pikepdf.Pdf, face: Face) -> pikepdf.Object:
-    """The face as an object of the file: codes of two bytes, which are the characters themselves."""
-    Name, Dictionary = pikepdf.Name, pikepdf.Dictionary
+    """The face as an object of the file."""
     packed = zlib.compress(face.program, 9)
-    descriptor = Dictionary(
-        Type=Name.FontDescriptor,
-        FontName=Name(f"/{face.name}"),
-        Flags=4,  # its codes are its own
-        FontBBox=list(face.box),
-        ItalicAngle=face.slant,
-        Ascent=face.ascent,
-        Descent=face.descent,
-        CapHeight=face.capital,
-        StemV=80,
-        FontFile2=pdf.make_stream(packed, Filter=Name.FlateDecode, Length1=len(face.program)),
-        CIDSet=cid_set(pdf, len(face.widths)),
-    )
-    below = Dictionary(
-        Type=Name.Font,
-        Subtype=Name.CIDFontType2,
-        BaseFont=Name(f"/{face.name}"),
-        CIDSystemInfo=Dictionary(Registry=b"Adobe", Ordering=b"Identity", Supplement=0),
-        FontDescriptor=pdf.make_indirect(descriptor),
-        CIDToGIDMap=Name.Identity,
-        DW=0,
-        W=[0, [round(width) for width in face.widths]],
-    )
-    unicode = pdf.make_stream(zlib.compress(_unicode(face.character), 9), Filter=Name.FlateDecode)
-    whole = Dictionary(
-        Type=Name.Font,
-        Subtype=Name.Type0,
-        BaseFont=Name(f"/{face.name}"),
-        Encoding=Name("/Identity-H"),
-        DescendantFonts=[pdf.make_indirect(below)],
-        ToUnicode=unicode,
-    )
-    return pdf.make_indirect(whole)
+    descriptor = {
+        "FontBBox": list(face.box),
+        "ItalicAngle": face.slant,
+        "Ascent": face.ascent,
+        "Descent": face.descent,
+        "CapHeight": face.capital,
+        "StemV": 80,
+        "FontFile2": pdf.make_stream(packed, Filter=pikepdf.Name.FlateDecode, Length1=len(face.program)),
+        "CIDSet": cid_set(pdf, len(face.widths)),
+    }
+    character = {"CIDToGIDMap": pikepdf.Name.Identity, "W": [0, [round(width) for width in face.widths]]}
+    unicode = _unicode(face.character)
+    return composite(pdf, face.name, kind="CIDFontType2", descriptor=descriptor, character=character, unicode=unicode)
 
 
 def cid_set(pdf: pikepdf.Pdf, count: int) -> pikepdf.Object:
@@ -174,13 +151,4 @@ def _unicode(character: dict[str, int]) -> bytes:
     for letter, code in sorted(character.items()):
         letters.setdefault(code, letter)
     pairs = [f"<{code:04x}> <{letter.encode('utf-16-be').hex()}>" for code, letter in sorted(letters.items())]
-    blocks = [f"{len(pairs[k : k + 100])} beginbfchar\n" + "\n".join(pairs[k : k + 100]) + "\nendbfchar" for k in range(0, len(pairs), 100)]
-    lines = [
-        "/CIDInit /ProcSet findresource begin\n12 dict begin\nbegincmap",
-        "/CIDSystemInfo << /Registry (Adobe) /Ordering (UCS) /Supplement 0 >> def",
-        "/CMapName /Adobe-Identity-UCS def\n/CMapType 2 def",
-        "1 begincodespacerange\n<0000> <ffff>\nendcodespacerange",
-        *blocks,
-        "endcmap\nCMapName currentdict /CMap defineresource pop\nend\nend",
-    ]
-    return "\n".join(lines).encode("ascii")
+    return mapped(pairs, "char")
