@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -88,17 +89,8 @@ class Marks:
     glyphs: tuple[Glyph, ...]
 
     def __post_init__(self) -> None:
-        n = len(self.xy)
-        for name, dtype, shape in (
-            ("xy", np.float64, (n, 2)),
-            ("angle", np.float64, (n,)),
-            ("scale", np.float64, (n,)),
-            ("glyph", np.int64, (n,)),
-        ):
-            object.__setattr__(self, name, frozen(getattr(self, name), dtype, shape, name))
-        if n and not 0 <= self.glyph.min() <= self.glyph.max() < len(self.glyphs):
-            raise ValueError(f"glyph has an index outside 0 to {len(self.glyphs) - 1}")
-        if n and self.scale.min() < 0:
+        freeze_columns(self, "glyph", len(self.glyphs))
+        if len(self) and self.scale.min() < 0:
             raise ValueError(f"scale {self.scale.min()} mm is negative")
 
     @classmethod
@@ -112,15 +104,7 @@ class Marks:
         glyph: npt.ArrayLike = 0,
     ) -> Marks:
         """Marks at xy (n, 2); scale, angle and glyph are one value for all or (n,)."""
-        points = np.asarray(xy, np.float64).reshape(-1, 2)
-        n = len(points)
-        return cls(
-            points,
-            np.broadcast_to(np.asarray(angle, np.float64), n),
-            np.broadcast_to(np.asarray(scale, np.float64), n),
-            np.broadcast_to(np.asarray(glyph, np.int64), n),
-            tuple(glyphs),
-        )
+        return cls(*columns(xy, angle, scale, glyph), tuple(glyphs))
 
     def __len__(self) -> int:
         return len(self.xy)
@@ -159,6 +143,28 @@ class Marks:
             raise ValueError("marks mix straight and cubic, or closed and open glyphs; make a layer of each")
         closed, cubic = kinds.pop()
         return Paths.of([glyph.paths.xy for glyph in self.glyphs], closed=closed, cubic=cubic)
+
+
+def columns(xy: npt.ArrayLike, angle: npt.ArrayLike, scale: npt.ArrayLike, kind: npt.ArrayLike) -> tuple[Array, Array, Array, Index]:
+    """Columns of things placed at xy (n, 2): angle, scale and kind, each one value for all or (n,)."""
+    points = np.asarray(xy, np.float64).reshape(-1, 2)
+    n = len(points)
+    angles, scales = (np.broadcast_to(np.asarray(values, np.float64), n) for values in (angle, scale))
+    return points, angles, scales, np.broadcast_to(np.asarray(kind, np.int64), n)
+
+
+def freeze_columns(things: Any, kind: str, kinds: int) -> None:
+    """Makes xy, angle, scale and the column named `kind` of a frozen dataclass read-only, all of one length.
+
+    Raises ValueError where they are not, or where a kind is none of so many.
+    """
+    n = len(things.xy)
+    object.__setattr__(things, "xy", frozen(things.xy, np.float64, (n, 2), "xy"))
+    for name, dtype in (("angle", np.float64), ("scale", np.float64), (kind, np.int64)):
+        object.__setattr__(things, name, frozen(getattr(things, name), dtype, (n,), name))
+    index = getattr(things, kind)
+    if n and not 0 <= index.min() <= index.max() < kinds:
+        raise ValueError(f"{kind} has an index outside 0 to {kinds - 1}")
 
 
 def whole(values: Array) -> Array:

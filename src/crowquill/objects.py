@@ -11,9 +11,9 @@ import numpy.typing as npt
 import shapely
 
 from crowquill.inertia import crosses, drawn, fold_of, long_axis, of_sides, pooled
-from crowquill.marks import THIN, Marks
+from crowquill.marks import THIN, Marks, columns, freeze_columns
 from crowquill.moments import of_rings
-from crowquill.paths import Array, Index, Paths, frozen
+from crowquill.paths import Array, Index, Paths
 
 CORNER = np.radians(20)  # a sharper turn of an outline gets a sample
 FLAT = 1e-3  # of the extent: what pieces of curves may stray
@@ -86,17 +86,8 @@ class Objects:
     shapes: tuple[Shape, ...]
 
     def __post_init__(self) -> None:
-        n = len(self.xy)
-        for name, dtype, size in (
-            ("xy", np.float64, (n, 2)),
-            ("angle", np.float64, (n,)),
-            ("scale", np.float64, (n,)),
-            ("shape", np.int64, (n,)),
-        ):
-            object.__setattr__(self, name, frozen(getattr(self, name), dtype, size, name))
-        if n and not 0 <= self.shape.min() <= self.shape.max() < len(self.shapes):
-            raise ValueError(f"shape has an index outside 0 to {len(self.shapes) - 1}")
-        if n and not self.scale.min() > 0:
+        freeze_columns(self, "shape", len(self.shapes))
+        if len(self.xy) and not self.scale.min() > 0:
             raise ValueError(f"scale {self.scale.min()} leaves nothing of an object; it takes numbers over 0")
 
     @classmethod
@@ -110,15 +101,7 @@ class Objects:
         shape: npt.ArrayLike = 0,
     ) -> Objects:
         """Objects with their centres at xy (n, 2); angle, scale and shape are one value for all or (n,)."""
-        points = np.asarray(xy, np.float64).reshape(-1, 2)
-        n = len(points)
-        return cls(
-            points,
-            np.broadcast_to(np.asarray(angle, np.float64), n),
-            np.broadcast_to(np.asarray(scale, np.float64), n),
-            np.broadcast_to(np.asarray(shape, np.int64), n),
-            tuple(shapes),
-        )
+        return cls(*columns(xy, angle, scale, shape), tuple(shapes))
 
     @classmethod
     def of_paths(cls, paths: Paths) -> Objects:
