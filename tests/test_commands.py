@@ -15,6 +15,7 @@ import pytest
 from PIL import Image
 
 import crowquill
+from crowquill import commands
 from crowquill.__main__ import main
 from crowquill.paths import Paths
 
@@ -311,3 +312,20 @@ def test_any_name_a_folder_takes_is_written_and_leaves_nothing_beside(run, name)
     assert here() == sorted(["ramp.png", "report.json", name])
     assert len(json.loads(Path("report.json").read_text(encoding="utf-8"))["files"]) == 1
     assert told.out.count("\n") == 1 and told.out[:-1].isprintable()
+
+
+@pytest.mark.parametrize(
+    ("message", "said"),
+    [
+        ("min_gap is 1000.0; it takes a number", "--min-gap is 1000.0; it takes a number"),
+        ("pen is 99 mm; it takes less", "--pen is 99 mm; it takes less"),
+        ("pen: length '3' has no unit; write 3mm", "--pen: length '3' has no unit; write 3mm"),
+        ("dots are over the limit; raise max_dots", "dots are over the limit; raise --max-dots"),
+        ("pen: not a picture; give another", "pen: not a picture; give another"),
+        ("min_gap.png: not a picture", "min_gap.png: not a picture"),
+        ("a/min_gap: not a picture", "a/min_gap: not a picture"),
+        ("r.toml: min_gap is 1; it takes less", "r.toml: min_gap is 1; it takes less"),
+    ],
+)
+def test_a_refusal_spells_options_as_they_are_typed_and_leaves_files_alone(message: str, said: str) -> None:
+    assert commands.spelt(message, ["pen", "min_gap", "max_dots"]) == said

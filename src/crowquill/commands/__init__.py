@@ -6,6 +6,7 @@ import ast
 import errno
 import importlib
 import os
+import re
 import sys
 import unicodedata
 from pathlib import Path
@@ -34,7 +35,8 @@ REMEDIES = {
 
 def application(arguments: list[str]) -> int:
     """Runs the command line; usage errors are refused in one line like any other."""
-    command = typer.main.get_command(_application(next((a for a in arguments if not a.startswith("-")), None)))
+    chosen = next((a for a in arguments if not a.startswith("-")), None)
+    command = typer.main.get_command(_application(chosen))
     try:
         code = command(args=arguments, prog_name="crowquill", standalone_mode=False)
     except typer.Exit as stop:
@@ -47,6 +49,9 @@ def application(arguments: list[str]) -> int:
         return refused(message if "; " in message else f"{message}; --help shows what there is")
     except typer.Abort:
         raise KeyboardInterrupt from None
+    except ValueError as error:
+        taken = getattr(command, "commands", {}).get(chosen)
+        return refused(spelt(str(error), [parameter.name for parameter in taken.params] if taken else []))
     if code == STOPPED:  # what Typer makes of Ctrl-C
         raise KeyboardInterrupt
     return code if isinstance(code, int) else 0
@@ -62,6 +67,19 @@ def refused(error: Exception | str) -> int:
         line = f"{line[: LONGEST // 2]} ... {line[-LONGEST // 2 :]}"
     sys.stderr.write(f"crowquill: {line}\n")
     return REFUSED
+
+
+def spelt(message: str, options: list[str]) -> str:
+    """The message with keywords as they are typed: those of several words wherever they stand, others where it begins with them.
+
+    Names of files, which end in a suffix or a colon, and of what is said in one are left alone.
+    """
+    for option in options:
+        typed = "--" + option.replace("_", "-")
+        message = re.sub(rf"^{option}(?= is |: length )", typed, message)
+        if "_" in option:
+            message = re.sub(rf"(?<![\w./\\-])(?<!: ){option}(?![\w./\\:])", typed, message)
+    return message
 
 
 def note(text: str) -> None:
