@@ -38,22 +38,35 @@ def hausner(ground: Ground, tone: Tone, iterations: int, rng: np.random.Generato
     demand, count = ground.crowd(tone)
     xy = relax.scatter(demand, count, rng)
     energy = movement = 0.0
-    x, y = ground.places
-    avoided = ground.edges.mm < AVOID * ground.mean / ground.finer
+    kept_off = off_edges(ground)
     for done in range(iterations + 1):
         yield Progress(done, ground.tiles(xy), energy, movement)
-        free = ground.inside & ~avoided if done < iterations - LIFTED else ground.inside
-        owner, far = claimed(ground, xy, free)
-        held = owner >= 0
-        mine, (row, column) = owner[held], np.nonzero(held)
-        mass = np.bincount(mine, minlength=len(xy))
-        some = mass > 0
-        centre = np.stack([np.bincount(mine, place, len(xy)) for place in (x[column], y[row])], axis=1)[some] / mass[some, None]
-        inside = tone.holds(centre)
-        moved = np.where(inside[:, None], centre, xy[some])
-        energy = float((far[held] ** 2).sum() * np.prod(ground.pixel))
-        movement = float(np.hypot(*(moved - xy[some]).T).mean() / ground.mean) if some.any() else 0.0
-        xy = moved
+        free = kept_off if done < iterations - LIFTED else ground.inside
+        centre, some, energy = centred(ground, tone, xy, free)
+        movement = float(np.hypot(*(centre - xy)[some].T).mean() / ground.mean) if some.any() else 0.0
+        xy = centre[some]
+
+
+def centred(ground: Ground, tone: Tone, xy: Array, free: npt.NDArray[np.bool_]) -> tuple[Array, npt.NDArray[np.bool_], float]:
+    """Where each tile's free squares have their centre, which tiles have any, and the sum of their squared distances, mm^4.
+
+    A tile without any, or whose centre would be off the canvas, is where it was.
+    """
+    x, y = ground.places
+    owner, far = claimed(ground, xy, free)
+    held = owner >= 0
+    mine, (row, column) = owner[held], np.nonzero(held)
+    mass = np.bincount(mine, minlength=len(xy))
+    some = mass > 0
+    sums = np.stack([np.bincount(mine, place, len(xy)) for place in (x[column], y[row])], axis=1)
+    centre = np.where(some[:, None], sums / np.maximum(mass, 1)[:, None], xy)
+    energy = float((far[held] ** 2).sum() * np.prod(ground.pixel))
+    return np.where(tone.holds(centre)[:, None], centre, xy), some, energy
+
+
+def off_edges(ground: Ground) -> npt.NDArray[np.bool_]:
+    """The squares of the grid that lie on the canvas and not near an edge."""
+    return ground.inside & _clear(ground)
 
 
 def claimed(ground: Ground, xy: Array, free: npt.NDArray[np.bool_]) -> tuple[Index, Array]:
@@ -166,10 +179,14 @@ def _crossing(ground: Ground) -> Array:
     return far
 
 
+def _clear(ground: Ground) -> npt.NDArray[np.bool_]:
+    """The squares of the grid that are not near an edge."""
+    return np.asarray(ground.edges.mm >= AVOID * ground.mean / ground.finer)
+
+
 def _off_edges(ground: Ground) -> Tone:
     """Where tiles are wished for how densely, over the densest, and nothing near edges."""
-    far = ground.edges.mm >= AVOID * ground.mean / ground.finer
-    return Tone(far * (ground.finer / ground.finest) ** 2, ground.size, ground.canvas)
+    return Tone(_clear(ground) * (ground.finer / ground.finest) ** 2, ground.size, ground.canvas)
 
 
 @compiled

@@ -122,6 +122,14 @@ def found(file: Path, given: Paths, folder: Path) -> tuple[Recipe, dict[str, Pat
     wanted, kept = read(file)
     if PICTURE not in wanted.sources and PICTURE in given:
         wanted = replace(wanted, sources={PICTURE: Source(given[PICTURE].name), **wanted.sources})
+    return located(wanted, kept, file, given, folder)
+
+
+def located(wanted: Recipe, kept: Mapping[str, bytes], file: Path, given: Paths, folder: Path) -> tuple[Recipe, dict[str, Path]]:
+    """The recipe that a file has, with its sources' hashes, and where they are: given, `kept` inside the file, or beside it.
+
+    What is kept inside is put into `folder`. Raises ValueError where one is missing or is not what the drawing was made from.
+    """
     if PICTURE not in wanted.sources:
         why = (
             "give one with --picture" if file.suffix.lower() == ".toml" else "it was drawn from an array, and only its program can redo it"

@@ -105,20 +105,43 @@ def _states(sites: Array, tone: Tone, step: float, exponent: float, banned: npt.
     weight = tone.mapped(lambda coverage: coverage**exponent)
     done = 0
     while True:
-        parts = cells.voronoi(sites, tone.canvas)
-        if (np.diff(parts.first) == 0).any():
-            sites = _parted(sites, parts, tone, banned)
-            parts = cells.voronoi(sites, tone.canvas)
-        sums = moments.of_tone(parts, weight)
-        way = sums.centroid - sites
-        spread = sums.covariance[:, 0, 0] + sums.covariance[:, 1, 1] + (way**2).sum(axis=1)
-        area = np.bincount(parts.owner, parts.rings.areas, len(sites))
-        gone = np.hypot(*way.T) / np.sqrt(np.where(area > 0, area, np.inf))
-        yield State(done, sites, parts, sums, float((sums.mass * spread).sum()), float(gone.mean()) if len(gone) else 0.0)
-        target = sites + step * way
-        for other in (sums.centroid, sites):
-            target = np.where(_may_hold(target, tone, banned)[:, None], target, other)
-        sites, done = target, done + 1
+        state = measured(sites, tone, weight, done=done, banned=banned)
+        yield state
+        sites, done = moved(state, tone, step=step, banned=banned), done + 1
+
+
+def measured(
+    sites: Array,
+    tone: Tone,
+    weight: Tone,
+    *,
+    canvas: shapely.Geometry | None = None,
+    done: int = 0,
+    banned: npt.NDArray[np.bool_] | None = None,
+) -> State:
+    """The state of sites as they are, their cells weighed by `weight`, those without a cell parted from their twins.
+
+    canvas  in place of the tone's
+    """
+    canvas = tone.canvas if canvas is None else canvas
+    parts = cells.voronoi(sites, canvas)
+    if (np.diff(parts.first) == 0).any():
+        sites = _parted(sites, parts, tone, banned)
+        parts = cells.voronoi(sites, canvas)
+    sums = moments.of_tone(parts, weight)
+    way = sums.centroid - sites
+    spread = sums.covariance[:, 0, 0] + sums.covariance[:, 1, 1] + (way**2).sum(axis=1)
+    area = np.bincount(parts.owner, parts.rings.areas, len(sites))
+    gone = np.hypot(*way.T) / np.sqrt(np.where(area > 0, area, np.inf))
+    return State(done, sites, parts, sums, float((sums.mass * spread).sum()), float(gone.mean()) if len(gone) else 0.0)
+
+
+def moved(state: State, tone: Tone, *, step: float = 1.8, banned: npt.NDArray[np.bool_] | None = None) -> Array:
+    """Where the sites of a state are a step later."""
+    target = state.sites + step * (state.moments.centroid - state.sites)
+    for other in (state.moments.centroid, state.sites):
+        target = np.where(_may_hold(target, tone, banned)[:, None], target, other)
+    return target
 
 
 def _may_hold(sites: Array, tone: Tone, banned: npt.NDArray[np.bool_] | None) -> npt.NDArray[np.bool_]:

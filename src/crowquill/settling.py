@@ -32,6 +32,7 @@ class State:
     turned_by  of the regions, weighed as for turning
     movement   mean distance to where they are to go, in square roots of the region's area, over the objects that move; 0 if none does
     turning    mean angle to the wanted axis, rad, over the objects that turn; 0 if none does
+    moved      the objects a step later
     """
 
     done: int
@@ -42,6 +43,7 @@ class State:
     turned_by: Moments
     movement: float
     turning: float
+    moved: Objects
 
     @property
     def at_rest(self) -> bool:
@@ -149,6 +151,8 @@ class _Rules:
 
 def _weighed(place: Tone | shapely.Geometry, exponent: float) -> Tone | None:
     """The tone with coverage ** exponent for coverage, or None where that is the same all over."""
+    if isinstance(place, Tone) and exponent == 1:
+        return place  # whose sums are kept
     return place.mapped(lambda coverage: coverage**exponent) if isinstance(place, Tone) and exponent else None
 
 
@@ -168,10 +172,10 @@ def _states(objects: Objects, local: Array, owner: Index, rules: _Rules) -> Iter
         angle, turns = _still_to_turn(objects, turned_by, rules)
         movement = float(gone[rules.free].mean()) if rules.move and rules.free.any() else 0.0
         turning = float(np.abs(angle[turns]).mean()) if turns.any() else 0.0
-        yield State(done, objects, parts, owner, sums, turned_by, movement, turning)
         xy = _moved(objects.xy, way, rules)
-        objects = replace(objects, xy=xy, angle=objects.angle + np.clip(rules.turn * angle, -rules.most_turn, rules.most_turn))
-        done += 1
+        moved = replace(objects, xy=xy, angle=objects.angle + np.clip(rules.turn * angle, -rules.most_turn, rules.most_turn))
+        yield State(done, objects, parts, owner, sums, turned_by, movement, turning, moved)
+        objects, done = moved, done + 1
 
 
 def _regional(parts: Cells, owner: Index, weight: Tone | None, xy: Array) -> Moments:

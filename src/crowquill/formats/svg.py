@@ -217,6 +217,12 @@ def _digest(root: ElementTree.Element) -> str:
 
 def drawn(data: bytes, name: str) -> Sheet:
     """The sheet that any SVG draws: filled outlines and strokes as paths in their colours. Dots are outlines, not marks."""
+    size, inked = painted(data, name)
+    return Sheet(size, _joined(inked))
+
+
+def painted(data: bytes, name: str) -> tuple[tuple[float, float], list[tuple[Ink, Paths]]]:
+    """The page's size in mm and what any SVG draws on it: the closed and the open outlines of each shape, with their ink."""
     size, found = shapes(data, name)
     if min(size) <= 0:
         raise ValueError(f"{name}: its page has no size; give it a width and a height in mm")
@@ -231,7 +237,7 @@ def drawn(data: bytes, name: str) -> Sheet:
         cmy = [0.0 if black == 1 else (1 - black - share) / (1 - black) for share in (red, green, blue)]
         ink = Ink("black" if cmy == [0, 0, 0] and black == 1 else str(colour.hex), (*cmy, black), pen)
         inked.append((ink, paths))
-    return Sheet(size, _joined(inked))
+    return size, inked
 
 
 def _joined(found: list[tuple[Ink, Paths]]) -> tuple[Layer, ...]:

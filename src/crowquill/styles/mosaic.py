@@ -74,7 +74,7 @@ def draw(
     if palette is not None and one_ink:
         raise ValueError(f"palette {palette!r} is of no use with one-ink; leave one out")
     asked, _ = cut_white(tone, white)
-    ground = _laid_out(tone, tile, tiles, grout, aspect, edges)
+    ground = laid_out(tone, tile, tiles, grout, aspect, edges)
     _, count = ground.crowd(tone)
     if count > max_tiles:
         raise ValueError(f"the picture takes {count} stones, over the limit of {max_tiles}; use larger ones, or raise max-tiles")
@@ -83,11 +83,11 @@ def draw(
     state = yield from _placed(ground, tone, mode, iterations, rng)
     clock.lap("place")
     yield Step("cut", 0, 1)
-    stones, nominal, slivers = _cut(ground, state, grow)
+    stones, nominal, slivers = cut(ground, state, grow)
     clock.lap("cut")
     yield Step("colour", 0, 1)
     rings = cutting.rings_of(stones)
-    fill = _fill(rings, tone, one_ink)
+    fill = painted(rings, tone, one_ink)
     drawn = cutting.means(rings, tone.coverage, tone.size) >= white - ROUNDING
     kept = np.flatnonzero(drawn & (fill.max(axis=1) >= FAINT) & (rings.areas > 0))
     rings, nominal, fill = rings.take(kept), nominal[kept], fill[kept]
@@ -105,7 +105,7 @@ def draw(
     return Sheet(tone.size, (layer,), report=report)
 
 
-def _laid_out(tone: Tone, tile: float | None, count: int | None, grout: float | None, aspect: float, edges: str) -> Ground:
+def laid_out(tone: Tone, tile: float | None, count: int | None, grout: float | None, aspect: float, edges: str) -> Ground:
     """The ground of a tone for tiles of a size or a number, with its edges."""
     if tile is not None and count is not None:
         raise ValueError(f"tile {tile:g} mm and tiles {count} are both given; leave one out")
@@ -185,7 +185,7 @@ def _placed(ground: Ground, tone: Tone, mode: str, iterations: int, rng: np.rand
     return state
 
 
-def _cut(ground: Ground, state: Progress, grow: float) -> tuple[Stones, Array, int]:
+def cut(ground: Ground, state: Progress, grow: float) -> tuple[Stones, Array, int]:
     """Stones cut off edges and canvas and apart, with those that fill hollows; each one's area uncut; how many slivers went."""
     placed, slivers = state.tiles, 0
     full = _off(ground, placed.stones(grow) if state.cells is None else state.cells)
@@ -233,7 +233,7 @@ def _due(ground: Ground, rings: Paths, asked: Tone) -> Array:
     return np.asarray(due * asked.ink / max(due.sum(), np.finfo(float).tiny))
 
 
-def _fill(rings: Paths, tone: Tone, one_ink: bool) -> Array:
+def painted(rings: Paths, tone: Tone, one_ink: bool) -> Array:
     """Shares of process inks (n, 4) in which each ring shows what the tone, or its colours, have there."""
     if tone.rgb is not None and not one_ink:
         return in_process(cutting.colours(rings, tone))

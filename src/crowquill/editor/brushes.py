@@ -1,0 +1,133 @@
+"""Brushes: which items are under the way of one, and how strongly."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+import shapely
+
+from crowquill.editor.drawing import Drawing, Layer
+from crowquill.knobs import Choice, Numbers, Range
+from crowquill.paths import Array, Index
+
+FAR = 100_000  # mm
+MOST = 30_000  # numbers of a path: ten thousand points
+
+Path = Annotated[tuple[float, ...] | None, Numbers(-FAR, FAR, "mm", "way: x, y, pressure of each point, pressure from 0 to 1")]
+Size = Annotated[float, Range(0, 1000, "mm", "diameter of the brush")]
+Strength = Annotated[float, Range(0, 1, "", "how much it does")]
+Falloff = Annotated[str, Choice(("smooth", "linear", "flat"), "from the middle to the rim")]
+On = Annotated[str, Choice(("brush", "selection", "all"), "what it changes")]
+OfLayer = Annotated[int | None, Range(1, 10**6, "", "of this layer only; left out, of all that may change")]
+
+
+@dataclass(frozen=True, eq=False)
+class Brush:
+    """A round brush on its way: points (m, 2) mm, pressure (m,), its radius in mm, strength, and how that falls off."""
+
+    points: Array
+    pressure: Array
+    radius: float
+    strength: float
+    falloff: str
+
+    @classmethod
+    def of(cls, path: tuple[float, ...] | None, size: float, strength: float = 1.0, falloff: str = "flat") -> Brush:
+        """The brush of an operation's parameters. Raises ValueError for a path that is none."""
+        points, pressure = way(path)
+        return cls(points, pressure, size / 2, strength, falloff)
+
+    @property
+    def lengths(self) -> Array:
+        """How far along the way each point is, mm."""
+        return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self.points, axis=0).T))])
+
+    @property
+    def headings(self) -> Array:
+        """The direction of the way at each point, rad: towards the next, at the last from the one before; 0 for a point alone."""
+        step = np.diff(self.points, axis=0)
+        ahead = np.arctan2(step[:, 1], step[:, 0]) if len(step) else np.zeros(1)
+        return np.concatenate([ahead, ahead[-1:]])[: len(self.points)]
+
+    def near(self, xy: Array, margin: float = 0.0) -> Index:
+        """Which places lie in the box of the way, grown by the radius and a margin."""
+        low, high = self.points.min(axis=0) - self.radius - margin, self.points.max(axis=0) + self.radius + margin
+        x, y = xy[:, 0], xy[:, 1]
+        return np.flatnonzero((x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1]))
+
+    def under(self, xy: Array) -> tuple[Index, Array]:
+        """The rows of places (n, 2) under the brush, and the weight of each, over 0 to 1."""
+        rows = self.near(xy)
+        points = shapely.points(xy[rows])
+        if len(self.points) == 1 or not self.lengths[-1]:
+            far, pressure = np.hypot(*(xy[rows] - self.points[0]).T), np.full(len(rows), self.pressure.max())
+        else:
+            line = shapely.linestrings(self.points)
+            shapely.prepare(line)
+            far = shapely.distance(line, points)
+            inside = far <= self.radius
+            rows, points, far = rows[inside], points[inside], far[inside]
+            pressure = np.interp(shapely.line_locate_point(line, points), self.lengths, self.pressure)
+        weight = self.strength * pressure * self.profile(far)
+        return rows[weight > 0], weight[weight > 0]
+
+    def heading(self, xy: Array) -> Array:
+        """The direction of the way where it is nearest to each place (n, 2), rad."""
+        if len(self.points) == 1 or not self.lengths[-1]:
+            return np.zeros(len(xy))
+        at = shapely.line_locate_point(shapely.linestrings(self.points), shapely.points(xy))
+        piece = np.searchsorted(self.lengths, at, side="right") - 1
+        return np.asarray(self.headings[np.clip(piece, 0, len(self.points) - 2)])
+
+    def profile(self, far: Array) -> Array:
+        """How much of the strength is left so far from the way, 0 beyond the radius."""
+        share = np.where(far <= self.radius, 1 - far / max(self.radius, 1e-9), 0.0)
+        share = np.where((self.radius == 0) & (far == 0), 1.0, share)
+        if self.falloff == "flat":
+            return np.where(far <= self.radius, 1.0, 0.0)
+        return share if self.falloff == "linear" else share * share * (3 - 2 * share)
+
+
+def way(path: tuple[float, ...] | None) -> tuple[Array, Array]:
+    """Points (m, 2) mm and pressures (m,) of a path parameter. Raises ValueError for one that is none."""
+    if not path or len(path) % 3 or len(path) > MOST:
+        raise ValueError(f"path has {len(path or ())} numbers; it takes x, y and pressure of 1 to {MOST // 3} points")
+    table = np.array(path, np.float64).reshape(-1, 3)
+    if table[:, 2].min() < 0 or table[:, 2].max() > 1:
+        raise ValueError("path has a pressure outside 0 to 1; every third number is one")
+    return table[:, :2], table[:, 2]
+
+
+def outline(path: tuple[float, ...] | None) -> shapely.Geometry:
+    """The area inside a path drawn round it, mended where it crosses itself. Raises ValueError for one without area."""
+    points, _ = way(path)
+    ring = shapely.make_valid(shapely.Polygon(points)) if len(points) > 2 else shapely.Polygon()
+    parts = [part for part in shapely.get_parts(ring) if part.geom_type == "Polygon" and part.area > 0]
+    if not parts:
+        raise ValueError("path encloses nothing; draw it around what is meant")
+    return parts[0] if len(parts) == 1 else shapely.union_all(parts)
+
+
+def meant(
+    drawing: Drawing,
+    on: str,
+    path: tuple[float, ...] | None,
+    size: float,
+    strength: float,
+    falloff: str,
+    layer: int | None,
+) -> Iterator[tuple[Layer, Index, Array]]:
+    """Each layer that may change with the rows of its items that are meant and not frozen, and their weights over 0 to 1."""
+    brush = Brush.of(path, size, strength, falloff) if on == "brush" else None
+    for found in drawing.free(layer):
+        items = found.items
+        if brush:
+            rows, weight = brush.under(items.xy)
+        else:
+            rows = np.flatnonzero(items.selected) if on == "selection" else np.arange(len(items))
+            weight = np.full(len(rows), strength)
+        movable = ~items.frozen[rows] & (weight > 0)
+        yield found, rows[movable], weight[movable]

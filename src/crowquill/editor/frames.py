@@ -1,0 +1,131 @@
+"""Frames: what of a drawing a page has not got yet, as bytes; see PROTOCOL.md."""
+
+from __future__ import annotations
+
+import struct
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from crowquill.editor.drawing import Drawing, Map
+from crowquill.editor.items import Columns, Items
+from crowquill.paths import Paths
+
+ITEMS, RASTER, LINES = 1, 2, 3
+BITS = {"um": 1, "scale": 2, "turn": 4, "kind": 8, "fill": 16, "flags": 32}
+ALL = 63
+
+
+def of_items(old: Drawing | None, new: Drawing, revision: int) -> bytes | None:
+    """The frame that makes the items of an old drawing, or of none, those of a new one; None where they are the same."""
+    before = {layer.id: layer.items for layer in old.layers} if old else {}
+    after = {layer.id: layer.items for layer in new.layers}
+    removals, changes = [], []
+    stay = {id: items for id, items in after.items() if before.get(id) is not items}
+    moved = _ids([items for id, items in after.items() if before.get(id) is not items])
+    for id, items in before.items():
+        if after.get(id) is not items:
+            gone = _missing(items.id, after[id].id if id in after else moved[:0])
+            gone = _missing(gone, moved)
+            if len(gone):
+                removals.append(_chunk(id, gone, 0, {}))
+    for id, items in stay.items():
+        changes += _changed(id, before.get(id, Items.none()), items)
+    chunks = removals + changes
+    return struct.pack("<4I", ITEMS, revision, len(chunks), 0) + b"".join(chunks) if chunks else None
+
+
+def _ids(parts: list[Items]) -> Columns:
+    """The ids of several, rising."""
+    return np.sort(np.concatenate([np.zeros(0, np.uint32), *(items.id for items in parts)]))
+
+
+def _missing(ids: Columns, among: Columns) -> Columns:
+    """Those ids that are not among others, both rising."""
+    if ids is among or not len(ids):
+        return ids[:0]
+    if not len(among):
+        return ids
+    at = np.minimum(np.searchsorted(among, ids), len(among) - 1)
+    return np.asarray(ids[among[at] != ids])
+
+
+def _changed(layer: int, old: Items, new: Items) -> list[bytes]:
+    """Chunks for items that are new in a layer, and for those that changed there."""
+    if old.id is new.id or np.array_equal(old.id, new.id):
+        here, there = slice(None), slice(None)
+        fresh = np.zeros(0, np.int64)
+    else:
+        at = np.minimum(np.searchsorted(old.id, new.id), max(0, len(old) - 1))
+        known = old.id[at] == new.id if len(old) else np.zeros(len(new), bool)
+        here, there, fresh = np.flatnonzero(known), at[known], np.flatnonzero(~known)
+    chunks = [_chunk(layer, new.id[fresh], ALL, _columns(new, fresh))] if len(fresh) else []
+    rows, bits = _different(old, new, there, here)
+    if len(rows):
+        which = rows if isinstance(here, slice) else here[rows]
+        chunks.append(_chunk(layer, new.id[which], bits, _columns(new, which)))
+    return chunks
+
+
+def _different(old: Items, new: Items, there: Any, here: Any) -> tuple[npt.NDArray[np.int64], int]:
+    """Which of the items that both have differ, and the bits of the columns in which any does."""
+    differs, bits = np.zeros(len(new.id[here]), bool), 0
+    for name, bit in (("um", 1), ("scale", 2), ("turn", 4), ("kind", 8), ("fill", 16), ("selected", 32), ("frozen", 32)):
+        before, after = getattr(old, name), getattr(new, name)
+        if before is after:
+            if isinstance(here, slice):
+                continue
+        apart = before[there] != after[here]
+        apart = apart.any(axis=1) if apart.ndim == 2 else apart
+        if apart.any():
+            differs |= apart
+            bits |= bit
+    return np.flatnonzero(differs), bits
+
+
+def _columns(items: Items, rows: Any) -> dict[str, Columns]:
+    flags = items.selected[rows].astype(np.uint8) | items.frozen[rows].astype(np.uint8) << 1
+    return {"flags": flags, **{name: getattr(items, name)[rows] for name in BITS if name != "flags"}}
+
+
+def _chunk(layer: int, ids: Columns, bits: int, columns: dict[str, Columns]) -> bytes:
+    parts = [struct.pack("<4I", layer, len(ids), bits, 0), ids.astype("<u4").tobytes()]
+    for name, bit in BITS.items():
+        if bits & bit:
+            column = columns[name]
+            data = np.ascontiguousarray(column.T).astype(column.dtype.newbyteorder("<")).tobytes()
+            parts.append(data + bytes(-len(data) % 4))
+    return b"".join(parts)
+
+
+def of_maps(old: Drawing | None, new: Drawing, revision: int) -> bytes | None:
+    """The frame of what changed in the tone and the importance; None where nothing did."""
+    chunks = []
+    for number, before, after in ((0, old.tone if old else None, new.tone), (1, old.wish if old else None, new.wish)):
+        if after is not None and after is not before:
+            chunks += _part(number, before, after)
+        elif after is None and before is not None:  # importance undone: one half all over
+            chunks += _part(number, before, Map(np.full(before.values.shape, 32767, np.uint16)))
+    return struct.pack("<4I", RASTER, revision, len(chunks), 0) + b"".join(chunks) if chunks else None
+
+
+def _part(number: int, before: Map | None, after: Map) -> list[bytes]:
+    """A chunk for the rectangle of a map in which it changed."""
+    h, w = after.values.shape
+    top, bottom, left, right = 0, h, 0, w
+    if before is not None and before.values.shape == (h, w):
+        apart = before.values != after.values
+        rows, columns = np.flatnonzero(apart.any(axis=1)), np.flatnonzero(apart.any(axis=0))
+        if not len(rows):
+            return []
+        top, bottom, left, right = rows[0], rows[-1] + 1, columns[0], columns[-1] + 1
+    data = (after.values[top:bottom, left:right] >> 8).astype(np.uint8).tobytes()
+    head = struct.pack("<8I", number, top, left, bottom - top, right - left, h, w, 0)
+    return [head + data + bytes(-len(data) % 4)]
+
+
+def of_lines(what: int, paths: Paths, revision: int) -> bytes:
+    """The frame of lines to be shown."""
+    head = struct.pack("<8I", LINES, revision, 1, 0, what, len(paths), len(paths.xy), int(paths.closed))
+    return head + paths.start.astype("<u4").tobytes() + paths.xy.astype("<f4").tobytes()

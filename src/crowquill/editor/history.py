@@ -1,0 +1,100 @@
+"""History: what was done, what could be done again, and any state between, kept or made anew."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+from crowquill import styles
+from crowquill.editor.drawing import Drawing
+from crowquill.editor.log import Entry
+from crowquill.editor.operations import work
+from crowquill.sheet import Step
+
+ROOM = 512 * 2**20  # bytes of states that are kept; others are made anew from the one before
+
+
+class History:
+    """Entries with the drawing that each gives; `at` of them are done."""
+
+    def __init__(self, begun: Drawing, entries: Sequence[Entry] = (), at: int = 0, room: int = ROOM) -> None:
+        self.entries = list(entries)
+        self.at = at
+        self._kept: dict[int, Drawing] = {0: begun}
+        self._room = room
+
+    def run(self, watch: Callable[[Step], None] | None = None) -> Iterator[int]:
+        """Makes the drawing that is done, entry by entry; the number of each."""
+        for k in range(1, self.at + 1):
+            self._state(k, watch)
+            yield k
+
+    def drawing(self) -> Drawing:
+        """The drawing as it is."""
+        return self._state(self.at)
+
+    def push(self, entry: Entry, made: Drawing) -> None:
+        """Adds an entry that gave a drawing; what was undone is gone."""
+        for k in range(self.at + 1, len(self.entries) + 1):
+            self._kept.pop(k, None)
+        del self.entries[self.at :]
+        self.entries.append(entry)
+        self.at += 1
+        self._keep(self.at, made)
+
+    def undone(self, groups: int) -> int:
+        """Goes back so many groups, or all there are, and gives the number of entries."""
+        was = self.at
+        for _ in range(groups):
+            group = self.entries[self.at - 1].group if self.at else None
+            while self.at and self.entries[self.at - 1].group == group:
+                self.at -= 1
+        return was - self.at
+
+    def redone(self, groups: int) -> int:
+        """Goes on so many groups, or all there are, and gives the number of entries."""
+        was = self.at
+        for _ in range(groups):
+            group = self.entries[self.at].group if self.at < len(self.entries) else None
+            while self.at < len(self.entries) and self.entries[self.at].group == group:
+                self.at += 1
+        return self.at - was
+
+    @property
+    def next_group(self) -> int:
+        """A group's number that no entry has."""
+        return 1 + max((entry.group for entry in self.entries), default=0)
+
+    def names(self) -> tuple[list[str], list[str]]:
+        """The operations of the groups that could be undone, the next first, and of those that could be redone; 50 of each at most."""
+        back = _grouped(list(reversed(self.entries[max(0, self.at - 5000) : self.at])))
+        return back[:50], _grouped(self.entries[self.at : self.at + 5000])[:50]
+
+    def _state(self, k: int, watch: Callable[[Step], None] | None = None) -> Drawing:
+        """The drawing after k entries, from the last before it that is kept."""
+        first = max(n for n in self._kept if n <= k)
+        for n in range(first, k):
+            entry = self.entries[n]
+            self._keep(n + 1, styles.run(work(self._kept[n], entry.op, entry.params, entry.seed), watch))
+        return self._kept[k]
+
+    def _keep(self, k: int, drawing: Drawing) -> None:
+        """Keeps a drawing; where room is short, of the others every second goes, those far from here first. The first stays."""
+        self._kept[k] = drawing
+        while len(self._kept) > 3 and self._size() > self._room:
+            far = sorted((n for n in self._kept if n not in (0, k)), key=lambda n: -abs(n - k))
+            for n in far[: max(1, len(far) // 2)][::2]:
+                del self._kept[n]
+
+    def _size(self) -> int:
+        """The bytes of all arrays kept, each counted once."""
+        seen = {}
+        for drawing in self._kept.values():
+            arrays = [drawing.tone.values, *([drawing.wish.values] if drawing.wish else [])]
+            arrays += [column for layer in drawing.layers for column in layer.items.columns()]
+            seen |= {id(array): array.nbytes for array in arrays}
+        return sum(seen.values())
+
+
+def _grouped(entries: Sequence[Entry]) -> list[str]:
+    """The operation of the first entry of each group."""
+    return [entry.op for k, entry in enumerate(entries) if not k or entry.group != entries[k - 1].group]

@@ -1,0 +1,220 @@
+"""Operations that insert, erase, exchange and freeze items."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+from typing import Annotated
+
+import numpy as np
+
+from crowquill import glyphs, shapes
+from crowquill.editor.brushes import Brush, Falloff, OfLayer, On, Path, Size, Strength, meant
+from crowquill.editor.drawing import Drawing, Layer
+from crowquill.editor.fields import flow
+from crowquill.editor.items import Items, Kind, micrometres
+from crowquill.editor.operations import operation
+from crowquill.knobs import Choice, Flag, Range, Text
+from crowquill.paths import Array, Index
+from crowquill.stippling import PEN
+
+FIRST = "nib-03"  # what is inserted where a layer has nothing yet
+ROUND = float(np.sqrt(np.pi) / 2)  # the scale of a glyph over its diameter
+TRIES = 100_000  # of one operation
+
+Which = Annotated[str | None, Text("a library, or library/number; left out, what the layer has")]
+
+
+@operation("brush")
+def insert(
+    drawing: Drawing,
+    rng: np.random.Generator,
+    *,
+    path: Path = None,
+    size: Size = 5.0,
+    strength: Strength = 1.0,
+    falloff: Falloff = "flat",
+    layer: Annotated[int | None, Range(1, 10**6, "", "where to; left out, the topmost that may change")] = None,
+    rate: Annotated[float, Range(0, 1000, "", "tries for each point of the way")] = 3.0,
+    glyph: Which = None,
+    diameter: Annotated[float | None, Range(0.01, 500, "mm", "how large; left out, as the layer has them")] = None,
+    gap: Annotated[float, Range(-50, 50, "mm", "least white to all others of the layer; below 0 they may overlap")] = 0.05,
+    turn: Annotated[str, Choice(("random", "flow", "stroke", "level"), "how they lie")] = "random",
+) -> Drawing:
+    """Insert marks, never nearer to others than a gap.
+
+    Tries that find no room are left out. A size of 0 puts them on the points of the way themselves.
+    """
+    (found,) = drawing.free(drawing.layer(layer).id)
+    brush = Brush.of(path, size, strength, falloff)
+    xy, along = _tries(brush, rate, rng)
+    inside = ((xy >= 0) & (xy <= drawing.size)).all(axis=1)
+    xy, along = micrometres(xy[inside]) / 1000, along[inside]
+    kinds, spread = _kinds(drawing, found, glyph)
+    mean = _mean(found.items) if diameter is None and glyph is None else None
+    drawing, at = drawing.with_kinds(kinds)
+    found = drawing.layer(found.id)
+    which = rng.integers(len(at), size=len(xy))
+    scale = (mean or ROUND * (diameter or PEN)) * spread[which]
+    angle = _turned(drawing, turn, xy, along, rng)
+    reach = drawing.reach
+    stay = roomy(found.items, reach[found.items.kind] * found.items.mm, xy, reach[at[which]] * scale, gap)
+    if not stay.any():
+        return replace(drawing, facts={"inserted": 0})
+    new = Items.of(drawing.first, xy[stay], scale=scale[stay], angle=angle[stay], kind=at[which[stay]])
+    return replace(drawing.added(found, new), facts={"inserted": len(new)})
+
+
+def _tries(brush: Brush, rate: float, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Places (n, 2) to try, at random in the brush about each point of its way by its profile, and the way's direction at each, rad."""
+    wanted = rate * brush.strength * brush.pressure
+    count = np.floor(wanted + rng.random(len(wanted))).astype(np.int64)
+    if count.sum() > TRIES:
+        raise ValueError(f"rate {rate:g} makes {count.sum()} tries, over {TRIES}; lower it, or draw less at a time")
+    of = np.repeat(np.arange(len(count)), count)
+    far, round_ = brush.radius * np.sqrt(rng.random(len(of))), rng.uniform(0, 2 * np.pi, len(of))
+    kept = rng.random(len(of)) < brush.profile(far)
+    off = far[:, None] * np.stack([np.cos(round_), np.sin(round_)], axis=1)
+    return (brush.points[of] + off)[kept], brush.headings[of][kept]
+
+
+def _turned(drawing: Drawing, turn: str, xy: Array, along: Array, rng: np.random.Generator) -> Array:
+    """The angles of new items, rad."""
+    if turn == "random":
+        return rng.uniform(0, 2 * np.pi, len(xy))
+    if turn == "flow":
+        return flow(drawing, xy)
+    return along if turn == "stroke" else np.zeros(len(xy))
+
+
+def _mean(items: Items) -> float | None:
+    """The scale of a layer's items that is in the middle, mm; None without any."""
+    return float(np.median(items.mm)) if len(items) else None
+
+
+def _kinds(drawing: Drawing, layer: Layer, glyph: str | None) -> tuple[tuple[Kind, ...], Array]:
+    """What to insert, and how large each is beside the others."""
+    if glyph is None and len(layer.items):
+        own = tuple(drawing.kinds[k] for k in np.unique(layer.items.kind))
+        return own, np.ones(len(own))
+    found = library(glyph or FIRST)
+    size = np.array([kind.glyph.size if kind.glyph else 1.0 for kind in found])
+    return found, size / np.sqrt((size**2).mean())
+
+
+@lru_cache(32)
+def library(name: str) -> tuple[Kind, ...]:
+    """The kinds of a library that comes along, of dots or of objects, or the one of library/number. ValueError for an unknown one."""
+    book, _, number = name.partition("/")
+    if book in glyphs.names():
+        found = tuple(Kind.of_glyph(glyph, f"{book}/{k}") for k, glyph in enumerate(glyphs.load(book).glyphs))
+    elif book in shapes.names():
+        found = tuple(_kind(f"{book}/{k}", motif) for k, motif in enumerate(shapes.load(book).motifs))
+    else:
+        raise ValueError(f"no library {book!r}; there are {', '.join([*glyphs.names(), *shapes.names()])}")
+    if not number:
+        return found
+    if not number.isdecimal() or int(number) >= len(found):
+        raise ValueError(f"no shape {number!r} in library {book}; it has 0 to {len(found) - 1}")
+    return (found[int(number)],)
+
+
+def _kind(name: str, motif: shapes.Motif) -> Kind:
+    """The kind of an object: a glyph, or its areas, or where it has none its lines, as large as a glyph of the same length."""
+    if motif.glyph:
+        return Kind.of_glyph(motif.glyph, name)
+    paths = motif.rings if len(motif.rings) else motif.lines
+    return Kind(paths.moved(np.eye(2) / (ROUND * motif.across)), None, name)
+
+
+def roomy(items: Items, reach: Array, xy: Array, own: Array, gap: float) -> Index:
+    """Which new places (n, 2) stay, as a mask, when each nearer than the gap to an item or to one before it goes.
+
+    All are taken as circles: items of these reaches (k,) mm, the new of their `own` (n,).
+    """
+    from scipy.spatial import cKDTree
+
+    if not len(xy):
+        return np.zeros(0, bool)
+    most = float(own.max() + max(own.max(), reach.max(initial=0.0)) + gap)
+    low, high = xy.min(axis=0) - most, xy.max(axis=0) + most
+    near = np.flatnonzero(((items.xy >= low) & (items.xy <= high)).all(axis=1))
+    old = len(near)
+    places, radius = np.concatenate([items.xy[near], xy]), np.concatenate([reach[near], own])
+    stay = np.ones(len(places), bool)
+    if most > 0:
+        pairs = np.sort(cKDTree(places).query_pairs(most, output_type="ndarray"), axis=1)
+        pairs = pairs[pairs[:, 1] >= old]
+        close = np.hypot(*(places[pairs[:, 0]] - places[pairs[:, 1]]).T) < radius[pairs].sum(axis=1) + gap
+        pairs = pairs[close]
+        for i, j in pairs[np.lexsort((pairs[:, 0], pairs[:, 1]))].tolist():
+            stay[j] &= not stay[i]
+    return stay[old:]
+
+
+@operation("brush")
+def erase(
+    drawing: Drawing,
+    rng: np.random.Generator,
+    *,
+    on: On = "brush",
+    path: Path = None,
+    size: Size = 5.0,
+    strength: Strength = 1.0,
+    falloff: Falloff = "flat",
+    layer: OfLayer = None,
+) -> Drawing:
+    """Erase marks; below full strength some stay, by chance."""
+    by, count = {}, 0
+    for found, rows, weight in meant(drawing, on, path, size, strength, falloff, layer):
+        gone = rows[rng.random(len(rows)) < weight]
+        if len(gone):
+            stay = np.ones(len(found.items), bool)
+            stay[gone] = False
+            by[found.id] = found.items.take(stay)
+            count += len(gone)
+    return replace(drawing.with_items(by), facts={"erased": count}) if by else drawing
+
+
+@operation("brush")
+def swap(
+    drawing: Drawing,
+    rng: np.random.Generator,
+    *,
+    on: On = "brush",
+    path: Path = None,
+    size: Size = 5.0,
+    strength: Strength = 1.0,
+    falloff: Falloff = "flat",
+    layer: OfLayer = None,
+    glyph: Annotated[str, Text("a library, or library/number")] = FIRST,
+) -> Drawing:
+    """Exchange the shapes of marks for others of the same size; below full strength some stay as they are."""
+    changed, at = drawing.with_kinds(library(glyph))
+    by = {}
+    for found, rows, weight in meant(drawing, on, path, size, strength, falloff, layer):
+        hit = rows[rng.random(len(rows)) < weight]
+        if len(hit):
+            by[found.id] = found.items.having(hit, kind=at[rng.integers(len(at), size=len(hit))])
+    return changed.with_items(by) if by else drawing
+
+
+@operation("brush")
+def freeze(
+    drawing: Drawing,
+    rng: np.random.Generator,  # noqa: ARG001
+    *,
+    on: On = "brush",
+    path: Path = None,
+    size: Size = 5.0,
+    layer: OfLayer = None,
+    frozen: Annotated[bool, Flag("freeze, or else thaw")] = True,
+) -> Drawing:
+    """Freeze marks, so that nothing changes them, or thaw them."""
+    brush, by = Brush.of(path, size) if on == "brush" else None, {}
+    for found in drawing.free(layer):
+        items = found.items
+        rows = brush.under(items.xy)[0] if brush else np.flatnonzero(items.selected if on == "selection" else np.ones(len(items), bool))
+        if (items.frozen[rows] != frozen).any():
+            by[found.id] = items.having(rows, frozen=frozen)
+    return drawing.with_items(by) if by else drawing

@@ -1,0 +1,209 @@
+"""The operation that relaxes, a step of any variant, and the wall that relaxation may stay within.
+
+What relaxes under a brush or in a selection has only its surroundings triangulated: as much of them as decides its cells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
+
+import numpy as np
+import shapely
+
+from crowquill import relax as dots
+from crowquill import settling
+from crowquill.editor.brushes import Falloff, OfLayer, On, Path, Size, Strength, meant, outline
+from crowquill.editor.drawing import Drawing
+from crowquill.editor.fields import along
+from crowquill.editor.items import Items, Mask
+from crowquill.editor.operations import operation
+from crowquill.editor.operations.mosaics import stepped
+from crowquill.knobs import Choice, Range
+from crowquill.objects import Objects
+from crowquill.paths import Array, Index, Paths
+from crowquill.tone import Tone
+
+VARIANTS = ("uniform", "weighted", "objects", "move", "turn", "mosaic")
+STEP = 1.8  # of dots; objects, whose regions depend on their turn, swing with more than 1
+AROUND = 4.0  # spacings: how far around what moves others are looked at first
+
+Facts = dict[str, float]
+
+
+@operation("relax")
+def relax(
+    drawing: Drawing,
+    rng: np.random.Generator,  # noqa: ARG001
+    *,
+    variant: Annotated[str, Choice(VARIANTS, "dots, uniform or by tone; objects move and turn, or either; or tiles")] = "weighted",
+    on: On = "all",
+    path: Path = None,
+    size: Size = 10.0,
+    strength: Strength = 1.0,
+    falloff: Falloff = "flat",
+    layer: OfLayer = None,
+    step: Annotated[float | None, Range(0.01, 1.99, "", "of the way to the centroid (dots 1.8, others 1)")] = None,
+    exponent: Annotated[float | None, Range(0, 4, "", "cells weigh coverage to this power (weighted 2, others 0)")] = None,
+    axes: Annotated[str, Choice(("region", "flow"), "what objects turn to: the axis of their region, or the picture's flow")] = "region",
+    wall: Annotated[str, Choice(("canvas", "drawn"), "what nothing crosses")] = "canvas",
+) -> Drawing:
+    """Relax: one step; what is not meant, or frozen, or in a locked layer, stands still and keeps its cell.
+
+    Of a layer alone its items take part alone, else those of all that are shown. Items off the canvas, or outside the wall, take no part.
+    """
+    weights = {found.id: (rows, weight) for found, rows, weight in meant(drawing, on, path, size, strength, falloff, layer)}
+    if not any(len(rows) for rows, _ in weights.values()):
+        return drawing
+    if variant == "mosaic":
+        return stepped(drawing, weights, wall == "drawn")
+    power = exponent if exponent is not None else 2.0 if variant == "weighted" else 0.0
+    crowd = _Crowd.of(drawing, weights, layer, drawing.weight(0.0 if variant == "uniform" else power, wall == "drawn"))
+    if not crowd.active.any():
+        return drawing
+    if variant in ("uniform", "weighted"):
+        target, angle, facts = _dots(crowd, step or STEP)
+    else:
+        towards = (lambda xy: along(drawing.toned()).at(xy)[0]) if axes == "flow" else None
+        shares = {"objects": (step or 1.0, 1.0), "move": (step or 1.0, 0.0), "turn": (0.0, step or 1.0)}[variant]
+        target, angle, facts = _objects(crowd, shares, towards)
+    return replace(drawing.with_items(crowd.posed(drawing, target, angle)), facts=facts)
+
+
+@dataclass(frozen=True, eq=False)
+class _Crowd:
+    """All that takes part, layer after layer, mm from the picture's corner.
+
+    items    of each layer that takes part, by its id, and `rows` of those on the canvas
+    active   (n,) which move, and with what weight (n,)
+    tone     what cells weigh; its canvas is where they lie
+    """
+
+    items: dict[int, Items]
+    rows: dict[int, Index]
+    xy: Array
+    active: Mask
+    weight: Array
+    kinds: tuple[Any, ...]
+    corner: Array
+    tone: Tone
+
+    @classmethod
+    def of(cls, drawing: Drawing, weights: dict[int, tuple[Index, Array]], layer: int | None, tone: Tone) -> _Crowd:
+        """Those in the tone's canvas."""
+        corner = drawing.picture.corner
+        there = [found for found in drawing.layers if not (found.hidden or found.still) and layer in (None, found.id)]
+        items = {found.id: found.items for found in there}
+        rows = {id: np.flatnonzero(tone.holds(part.xy - corner)) for id, part in items.items()}
+        weight = []
+        for id, part in items.items():
+            full = np.zeros(len(part))
+            some, value = weights.get(id, (np.zeros(0, np.int64), np.zeros(0)))
+            full[some] = value
+            weight.append(full[rows[id]])
+        xy = np.concatenate([part.xy[rows[id]] - corner for id, part in items.items()])
+        whole = np.concatenate(weight)
+        return cls(items, rows, xy, whole > 0, whole, drawing.kinds, corner, tone)
+
+    @property
+    def spacing(self) -> float:
+        """Of all on the canvas, mm."""
+        return float(np.sqrt(shapely.area(self.tone.canvas) / max(1, len(self.xy))))
+
+    def column(self, name: str) -> Any:
+        """A column of the items that take part."""
+        return np.concatenate([getattr(part, name)[self.rows[id]] for id, part in self.items.items()])
+
+    def surroundings(self) -> Iterator[tuple[Index, shapely.Geometry, float]]:
+        """Ever more of what lies around those that move: the rows, a window of the canvas, and how far off the next might be, mm.
+
+        Whoever finds cells that reach less than half as far has what decides them.
+        """
+        moving = self.xy[self.active]
+        low, high = moving.min(axis=0), moving.max(axis=0)
+        margin, everything = AROUND * self.spacing, np.arange(len(self.xy))
+        while True:
+            near = np.flatnonzero(((self.xy >= low - margin) & (self.xy <= high + margin)).all(axis=1))
+            if 2 * len(near) >= len(self.xy):
+                yield everything, self.tone.canvas, np.inf
+                return
+            window = shapely.intersection(self.tone.canvas, shapely.box(*(low - margin), *(high + margin)))
+            yield near, window, margin
+            margin *= 2
+
+    def posed(self, drawing: Drawing, target: Array, angle: Array | None) -> dict[int, Items]:
+        """The items by their layers, those that move as far towards their targets (m, 2) and angles (m,) as their weights say."""
+        moving = np.flatnonzero(self.active)
+        share = self.weight[moving]
+        xy = self.xy[moving] + share[:, None] * (target - self.xy[moving]) + self.corner
+        now = self.column("angle")[moving]
+        turned = None if angle is None else now + share * (angle - now)
+        by, first = {}, 0
+        for id, part in self.items.items():
+            mine = (moving >= first) & (moving < first + len(self.rows[id]))
+            if mine.any():
+                at = self.rows[id][moving[mine] - first]
+                by[id] = part.posed(at, xy=drawing.clipped(xy[mine]), angle=None if turned is None else turned[mine])
+            first += len(self.rows[id])
+        return by
+
+
+def _dots(crowd: _Crowd, step: float) -> tuple[Array, None, Facts]:
+    """Where sites that move go."""
+    for rows, window, margin in crowd.surroundings():
+        state = dots.measured(crowd.xy[rows], crowd.tone, crowd.tone, canvas=window)
+        mine = crowd.active[rows]
+        if margin == np.inf or 2 * _reach(state.cells.rings, state.cells.owner, state.cells.sites, mine) < margin:
+            break
+    target = dots.moved(state, crowd.tone, step=step)[mine]
+    way = (state.moments.centroid - state.sites)[mine]
+    spread = np.trace(state.moments.covariance[mine], axis1=1, axis2=2) + (way**2).sum(axis=1)
+    area = np.bincount(state.cells.owner, state.cells.rings.areas, len(rows))[mine]
+    gone = np.hypot(*way.T) / np.sqrt(np.where(area > 0, area, np.inf))
+    return target, None, {"energy": float((state.moments.mass[mine] * spread).sum()), "movement": float(gone.mean())}
+
+
+def _objects(crowd: _Crowd, shares: tuple[float, float], towards: Callable[[Array], Array] | None) -> tuple[Array, Array, Facts]:
+    """Where objects that move go, and their angles then."""
+    used, kind = np.unique(crowd.column("kind"), return_inverse=True)
+    every = Objects.of(
+        crowd.xy, tuple(crowd.kinds[k].shape for k in used), angle=crowd.column("angle"), scale=crowd.column("mm"), shape=kind
+    )
+    flat = crowd.tone.coverage.size == 1
+    for rows, _, margin in crowd.surroundings():
+        mine = crowd.active[rows]
+        state = next(
+            settling.settle(
+                every.take(rows), crowd.tone.canvas if flat else crowd.tone, move=shares[0], turn=shares[1],
+                exponent=1.0, sampling=settling.APART * crowd.spacing, fixed=~mine, towards=towards,
+            )
+        )  # fmt: skip
+        owner = state.owner[state.cells.owner]
+        if margin == np.inf or 2 * _reach(state.cells.rings, owner, every.xy[rows], mine) < margin:
+            break
+    spread = np.trace(state.moments.covariance[mine], axis1=1, axis2=2)
+    energy = float((state.moments.mass[mine] * spread).sum())
+    moved = state.moved.take(mine)
+    return moved.xy, moved.angle, {"energy": energy, "movement": state.movement, "turning": state.turning}
+
+
+def _reach(rings: Paths, owner: Index, xy: Array, mine: Mask) -> float:
+    """How far the cells of some sites reach from them, mm."""
+    of = owner[rings.path]
+    of, corners = of[mine[of]], rings.xy[mine[of]]
+    return float(np.hypot(*(corners - xy[of]).T).max(initial=0.0))
+
+
+@operation("map")
+def wall(
+    drawing: Drawing,
+    rng: np.random.Generator,  # noqa: ARG001
+    *,
+    path: Path = None,
+) -> Drawing:
+    """Draw a wall that relaxation does not cross: an outline, or none when the path is left out."""
+    if path is None:
+        return replace(drawing, wall=None)
+    rings, _ = Paths.of_polygons(np.array([outline(path)], dtype=object))
+    return replace(drawing, wall=rings)
