@@ -37,7 +37,7 @@ recipe seen calibration
 making
 judge plate
 preflight
-figure
+figure editor
 __init__
 options
 commands

@@ -53,8 +53,10 @@ def _missing(ids: Columns, among: Columns) -> Columns:
 
 def _changed(layer: int, old: Items, new: Items) -> list[bytes]:
     """Chunks for items that are new in a layer, and for those that changed there."""
+    here: npt.NDArray[np.int64] | None
+    there: npt.NDArray[np.int64] | None
     if old.id is new.id or np.array_equal(old.id, new.id):
-        here, there = slice(None), slice(None)
+        here = there = None
         fresh = np.zeros(0, np.int64)
     else:
         at = np.minimum(np.searchsorted(old.id, new.id), max(0, len(old) - 1))
@@ -63,20 +65,19 @@ def _changed(layer: int, old: Items, new: Items) -> list[bytes]:
     chunks = [_chunk(layer, new.id[fresh], ALL, _columns(new, fresh))] if len(fresh) else []
     rows, bits = _different(old, new, there, here)
     if len(rows):
-        which = rows if isinstance(here, slice) else here[rows]
+        which = rows if here is None else here[rows]
         chunks.append(_chunk(layer, new.id[which], bits, _columns(new, which)))
     return chunks
 
 
 def _different(old: Items, new: Items, there: Any, here: Any) -> tuple[npt.NDArray[np.int64], int]:
     """Which of the items that both have differ, and the bits of the columns in which any does."""
-    differs, bits = np.zeros(len(new.id[here]), bool), 0
+    differs, bits = np.zeros(len(new) if here is None else len(here), bool), 0
     for name, bit in (("um", 1), ("scale", 2), ("turn", 4), ("kind", 8), ("fill", 16), ("selected", 32), ("frozen", 32)):
         before, after = getattr(old, name), getattr(new, name)
-        if before is after:
-            if isinstance(here, slice):
-                continue
-        apart = before[there] != after[here]
+        if here is None and before is after:
+            continue
+        apart = before != after if here is None else before[there] != after[here]
         apart = apart.any(axis=1) if apart.ndim == 2 else apart
         if apart.any():
             differs |= apart

@@ -4,28 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-from crowquill import styles
 from crowquill.editor.drawing import Drawing
 from crowquill.editor.log import Entry
-from crowquill.editor.operations import work
-from crowquill.sheet import Step
 
+Perform = Callable[[Drawing, Entry], Drawing]
 ROOM = 512 * 2**20  # bytes of states that are kept; others are made anew from the one before
 
 
 class History:
     """Entries with the drawing that each gives; `at` of them are done."""
 
-    def __init__(self, begun: Drawing, entries: Sequence[Entry] = (), at: int = 0, room: int = ROOM) -> None:
+    def __init__(self, begun: Drawing, entries: Sequence[Entry], at: int, perform: Perform, room: int = ROOM) -> None:
+        """The history of a drawing that begins so; `perform` gives what an entry makes of a drawing."""
+        self._perform = perform
         self.entries = list(entries)
         self.at = at
         self._kept: dict[int, Drawing] = {0: begun}
         self._room = room
 
-    def run(self, watch: Callable[[Step], None] | None = None) -> Iterator[int]:
+    def run(self) -> Iterator[int]:
         """Makes the drawing that is done, entry by entry; the number of each."""
         for k in range(1, self.at + 1):
-            self._state(k, watch)
+            self._state(k)
             yield k
 
     def drawing(self) -> Drawing:
@@ -69,12 +69,11 @@ class History:
         back = _grouped(list(reversed(self.entries[max(0, self.at - 5000) : self.at])))
         return back[:50], _grouped(self.entries[self.at : self.at + 5000])[:50]
 
-    def _state(self, k: int, watch: Callable[[Step], None] | None = None) -> Drawing:
+    def _state(self, k: int) -> Drawing:
         """The drawing after k entries, from the last before it that is kept."""
         first = max(n for n in self._kept if n <= k)
         for n in range(first, k):
-            entry = self.entries[n]
-            self._keep(n + 1, styles.run(work(self._kept[n], entry.op, entry.params, entry.seed), watch))
+            self._keep(n + 1, self._perform(self._kept[n], self.entries[n]))
         return self._kept[k]
 
     def _keep(self, k: int, drawing: Drawing) -> None:
@@ -87,7 +86,7 @@ class History:
 
     def _size(self) -> int:
         """The bytes of all arrays kept, each counted once."""
-        seen = {}
+        seen: dict[int, int] = {}
         for drawing in self._kept.values():
             arrays = [drawing.tone.values, *([drawing.wish.values] if drawing.wish else [])]
             arrays += [column for layer in drawing.layers for column in layer.items.columns()]

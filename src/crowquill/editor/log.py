@@ -6,7 +6,6 @@ Every line is on the disk before the next is written. What is undone stays in th
 from __future__ import annotations
 
 import json
-import numbers
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -99,7 +98,7 @@ def _follow(told: Any, done: list[Entry], undone: list[Entry]) -> None:
 def _entry(told: Mapping[str, Any]) -> Entry:
     params, files = told.get("params", {}), told.get("files", {})
     seed, group = told.get("seed", 0), told.get("group", 0)
-    whole = all(isinstance(value, numbers.Integral) and not isinstance(value, bool) and value >= 0 for value in (seed, group))
+    whole = all(isinstance(value, int) and not isinstance(value, bool) and value >= 0 for value in (seed, group))
     tables = all(isinstance(table, dict) for table in (params, files))
     if not isinstance(told["op"], str) or not whole or not tables or set(told) - {"op", "params", "seed", "group", "files"}:
         raise ValueError("is no sound operation")

@@ -200,12 +200,13 @@ def _clear(path: Path) -> None:
     """Removes what a run that was killed left beside this target; other runs under way are left alone."""
     for part in path.parent.glob(f"{_mark(path)}*{PART}"):
         number = part.name.removeprefix(_mark(path)).split(".")[0]
-        if number.isdigit() and not _alive(int(number)):
+        if number.isdigit() and not alive(int(number)):
             with contextlib.suppress(OSError):
                 part.unlink()
 
 
-def _alive(process: int) -> bool:
+def alive(process: int) -> bool:
+    """Whether there is a process of this number."""
     try:
         os.kill(process, 0)
     except ProcessLookupError:

@@ -1,0 +1,70 @@
+"""Edit a picture, a drawing or an SVG of objects by hand, in the browser: brushes, relaxation step by step, an endless undo.
+
+Every change is written at once to a log beside the file, FILE.edits; the file itself is never changed. What was edited before goes on
+where it ended. `crowquill replay FILE.edits OUT` draws the same again.
+"""
+
+from __future__ import annotations
+
+import inspect
+import webbrowser
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from crowquill import layout, options
+from crowquill.commands import note, say
+from crowquill.knobs import of
+from crowquill.recipe import Recipe
+
+STYLE = "stipple"  # whose settings of paper and tone are asked for: those of all styles
+
+
+def add(app: typer.Typer) -> None:
+    """Adds the command."""
+    tables = {"paper": of(layout.placed), "tone": of(layout.lit)}
+    own = list(inspect.signature(_edited, eval_str=True).parameters.values())[:-1]
+
+    def edited(context: typer.Context, **values: Any) -> int:
+        given = {name for name in values if getattr(context.get_parameter_source(name), "name", "") == "COMMANDLINE"}
+        settings: dict[str, Any] = {table: {key: values.pop(key) for key in takes} for table, takes in tables.items()}
+        asked = any(key in given for takes in tables.values() for key in takes)
+        return _edited(**values, settings=Recipe(STYLE, **settings) if asked else None)
+
+    every = [options.option(knob, table) for table, takes in tables.items() for knob in takes.values()]
+    context = inspect.Parameter("context", inspect.Parameter.KEYWORD_ONLY, annotation=typer.Context)
+    app.command("edit", help=__doc__, no_args_is_help=True)(options.signed(edited, [context, *own, *every]))
+
+
+def _edited(
+    file: Annotated[Path, typer.Argument(help="A picture, a drawing's SVG, any SVG of objects.", show_default=False, metavar="FILE")],
+    port: Annotated[int, typer.Option(help="Of this machine; 0 takes any free one.", min=0, max=65535)] = 0,
+    no_browser: Annotated[bool, typer.Option("--no-browser", help="Print the address, and open nothing.")] = False,
+    settings: Recipe | None = None,
+) -> int:
+    try:
+        from crowquill.editor.server import Server
+    except ModuleNotFoundError as error:
+        raise ValueError(f"the editor needs {error.name}, which is not installed; install crowquill[editor]") from None
+    from crowquill.editor.session import Session
+
+    session = Session(file, settings)
+    try:
+        server = Server(session, port)
+        for text in session.notes:
+            note(text)
+        say(server.address)
+        if not no_browser:
+            webbrowser.open(server.address)
+        server.serve_until_stopped()
+    except KeyboardInterrupt:
+        pass  # how an editor is left
+    finally:
+        session.close()
+    waiting = session.journal.waiting
+    if waiting:
+        note(f"{waiting} edits could not be written ({session.journal.error}) and are lost")
+    elif session.path.exists():
+        say(f"{len(session.history.entries)} edits are in {session.path}")
+    return 0

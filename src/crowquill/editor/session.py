@@ -1,0 +1,219 @@
+"""A session: one drawing of a folder, its history and its log, and what is done with them. One thread at a time calls it."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from crowquill import formats, preflight, styles
+from crowquill.editor import log, opening
+from crowquill.editor.drawing import Drawing, Layer, sheet_of
+from crowquill.editor.history import History
+from crowquill.editor.lock import Lock
+from crowquill.editor.log import Entry, Journal
+from crowquill.editor.opening import Header
+from crowquill.editor.operations import check, work
+from crowquill.knobs import Knob, Text
+from crowquill.recipe import Recipe
+from crowquill.sheet import Sheet, Step
+from crowquill.vector import contents
+
+Watch = Callable[[Step], None]
+OPENED = (".svg", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".gif", ".bmp")
+
+
+class Session:
+    """A drawing that is edited: the file in its folder, the log beside it, and the state now."""
+
+    def __init__(self, file: Path, settings: Recipe | None = None) -> None:
+        """Opens a picture, a drawing or a log, and goes on where its log ends; `recovered` still has to be called.
+
+        settings  how a picture is laid out, where it has no log yet
+
+        Raises ValueError for a drawing that is being edited already, for settings beside a log, and whatever opening raises.
+        """
+        if file.suffix == opening.SUFFIX:
+            file = file.with_suffix("")
+        self.file, self.folder = file, file.parent
+        self.path = file.with_name(file.name + opening.SUFFIX)
+        self.notes: tuple[str, ...] = ()
+        self.lock = Lock(file.with_name(file.name + opening.SUFFIX + ".lock"), str(file))
+        try:
+            self._open(settings)
+        except BaseException:
+            self.lock.release()
+            raise
+
+    def _open(self, settings: Recipe | None) -> None:
+        if self.path.exists():
+            if settings is not None:
+                raise ValueError(f"{self.path}: has edits made with other settings; leave them out, or move it away to begin anew")
+            found = log.read(self.path)
+            self.header = found.header
+            begun = opening.again(found.header, self.file)
+            self.history = History(begun, [*found.done, *found.undone], len(found.done), self._perform)
+            self.journal = Journal(self.path, self.header, found.sound)
+            if self.header.version != version("crowquill"):
+                self.notes = (
+                    f"the edits were begun with crowquill {self.header.version}, this is {version('crowquill')}; they may differ",
+                )
+        else:
+            self.header, begun = opening.opened(self.file, settings)
+            self.history = History(begun, (), 0, self._perform)
+            self.journal = Journal(self.path, self.header)
+        self.notes += begun.notes
+        self.begun = self.drawing = begun
+
+    def recovered(self, watch: Callable[[int, int], None] | None = None) -> None:
+        """Does again what the log holds; `watch` sees how many of how many entries are done."""
+        for k in self.history.run():
+            if watch:
+                watch(k, self.history.at)
+        self.drawing = self.history.drawing()
+
+    def apply(self, op: str, params: Mapping[str, Any], seed: int | None, group: int, watch: Watch | None = None) -> bool:
+        """Does an operation and writes it down; False where it changed nothing and is not kept.
+
+        Raises ValueError for what is unknown or out of range, OSError for a file that cannot be read.
+        """
+        number = len(self.history.entries) if seed is None else seed
+        entry = Entry(op, params, number, group, digests(op, params, self.folder))
+        check(op, located(entry, self.folder), number)
+        made = self._perform(self.drawing, entry, watch)
+        if same(made, self.drawing):
+            self.drawing = replace(self.drawing, facts=made.facts, notes=made.notes)
+            return False
+        self.history.push(entry, made)
+        self.journal.append(entry.data())
+        self.drawing = made
+        return True
+
+    def _perform(self, drawing: Drawing, entry: Entry, watch: Watch | None = None) -> Drawing:
+        return performed(drawing, entry, self.folder, watch)
+
+    def undo(self, groups: int = 1) -> int:
+        """Goes back so many groups; how many entries that were."""
+        return self._went("undo", self.history.undone(groups))
+
+    def redo(self, groups: int = 1) -> int:
+        """Goes on so many groups; how many entries that were."""
+        return self._went("redo", self.history.redone(groups))
+
+    def _went(self, way: str, count: int) -> int:
+        if count:
+            self.drawing = self.history.drawing()
+            self.journal.append({way: count})
+        return count
+
+    def sheet(self) -> Sheet:
+        """The drawing as files have it."""
+        return written(self.header, self.drawing)
+
+    def export(self, names: Sequence[str], options: Mapping[str, Any]) -> list[str]:
+        """Writes the drawing to files of the folder, all or none. ValueError for names that are no bare ones, and unknown options."""
+        paths = [self.within(name) for name in names]
+        if not paths:
+            raise ValueError("files is empty; name one, such as drawing.pdf")
+        read = [self.file, self.path]
+        formats.check(paths, sources=read)
+        plan = formats.writers(self.sheet(), [(path, None) for path in paths], options)
+        formats.replace_files(list(zip(paths, plan, strict=True)))
+        return [path.name for path in paths]
+
+    def checked(self, name: str) -> dict[str, Any]:
+        """What preflight finds in a file of the folder."""
+        found = preflight.check(contents(self.within(name)), name)
+        return {"errors": found.errors, "findings": [asdict(finding) for finding in found.findings]}
+
+    def files(self) -> list[str]:
+        """The names in the folder that can be opened."""
+        with os.scandir(self.folder) as entries:
+            return sorted(one.name for one in entries if one.is_file() and Path(one.name).suffix.lower() in OPENED)
+
+    def within(self, name: Any) -> Path:
+        """The path of a file in the folder. ValueError for anything but a bare name, and for links that lead elsewhere."""
+        return within(self.folder, name)
+
+    def close(self) -> None:
+        """Ends the session: a log without a single line goes, and so does the lock."""
+        self.journal.close()
+        if not self.history.entries and not self.journal.waiting:
+            self.path.unlink(missing_ok=True)
+        self.lock.release()
+
+
+def within(folder: Path, name: Any) -> Path:
+    """The path of a file in a folder. ValueError for anything but a bare name, and for links that lead elsewhere."""
+    if not isinstance(name, str) or not name or name in (".", "..") or any(mark in name for mark in "/\\\0:"):
+        raise ValueError(f"{str(name)[:100]!r} is not the name of a file in the folder; give one without folders")
+    path = folder / name
+    if Path(os.path.realpath(path)) != Path(os.path.realpath(folder)) / name:
+        raise ValueError(f"{name!r} is a link to another place; give a file of the folder")
+    return path
+
+
+def same(a: Drawing, b: Drawing) -> bool:
+    """Whether two drawings are one in all that can be edited."""
+    if a.tone is not b.tone or a.wish is not b.wish or a.wall is not b.wall or len(a.layers) != len(b.layers):
+        return False
+    return all(one is other or _alike(one, other) for one, other in zip(a.layers, b.layers, strict=True))
+
+
+def _alike(one: Layer, other: Layer) -> bool:
+    """Whether two layers have the same settings and the same items."""
+    if any(getattr(one, name) != getattr(other, name) for name in ("id", "name", "ink", "hidden", "locked", "tiling", "still")):
+        return False
+    pairs = zip(one.items.columns(), other.items.columns(), strict=True)
+    return all(a is b or (a.shape == b.shape and bool((a == b).all())) for a, b in pairs)
+
+
+def written(header: Header, drawing: Drawing) -> Sheet:
+    """The drawing of a log as files have it."""
+    return sheet_of(replace(drawing, recipe=opening.recipe_of(header, drawing)))
+
+
+def performed(drawing: Drawing, entry: Entry, folder: Path, watch: Watch | None = None) -> Drawing:
+    """The drawing that an entry makes, with the files that it reads from a folder. ValueError where one of them is another now."""
+    return styles.run(work(drawing, entry.op, located(entry, folder), entry.seed), watch)
+
+
+def replayed(path: Path) -> Iterator[tuple[int, int, Drawing, Header]]:
+    """The drawing after each entry of a log, how many of how many are done, and its header; the file edited lies beside the log."""
+    found = log.read(path)
+    drawing = opening.again(found.header, path.parent / found.header.file.name)
+    yield 0, len(found.done), drawing, found.header
+    for k, entry in enumerate(found.done, 1):
+        try:
+            drawing = performed(drawing, entry, path.parent)
+        except ValueError as error:
+            raise ValueError(f"{path}: entry {k}, {entry.op}: {error}") from None
+        yield k, len(found.done), drawing, found.header
+
+
+def _file_knobs(op: str, params: Mapping[str, Any]) -> list[str]:
+    """The parameters of an operation that name a file; a word, such as that of a library that comes along, has no suffix."""
+    takes: Mapping[str, Knob] = check(op, {}, 0)[0].knobs
+    files = [key for key, knob in takes.items() if isinstance(knob.takes, Text) and knob.takes.file]
+    return [key for key in files if isinstance(params.get(key), str) and (Path(params[key]).suffix or any(m in params[key] for m in "/\\"))]
+
+
+def digests(op: str, params: Mapping[str, Any], folder: Path) -> dict[str, str]:
+    """The SHA-256 of each file of the folder that an operation reads. Raises ValueError for names that are none."""
+    named = {key: within(folder, params[key]) for key in _file_knobs(op, params)}
+    return {path.name: hashlib.sha256(contents(path)).hexdigest() for path in named.values()}
+
+
+def located(entry: Entry, folder: Path) -> dict[str, Any]:
+    """The parameters of an entry with paths for its files. Raises ValueError for a file that is not what it was."""
+    params = dict(entry.params)
+    for key in _file_knobs(entry.op, params):
+        path = within(folder, params[key])
+        if hashlib.sha256(contents(path)).hexdigest() != entry.files.get(path.name):
+            raise ValueError(f"{path}: is not the file that was read (its SHA-256 differs); give the same")
+        params[key] = str(path)
+    return params
