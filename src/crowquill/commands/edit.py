@@ -9,14 +9,18 @@ from __future__ import annotations
 import inspect
 import webbrowser
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from crowquill import layout, options
 from crowquill.commands import note, say
+from crowquill.commands._running import silence
 from crowquill.knobs import of
 from crowquill.recipe import Recipe
+
+if TYPE_CHECKING:
+    from crowquill.editor.session import Session
 
 STYLE = "stipple"  # whose settings of paper and tone are asked for: those of all styles
 
@@ -47,9 +51,8 @@ def _edited(
         from crowquill.editor.server import Server
     except ModuleNotFoundError as error:
         raise ValueError(f"the editor needs {error.name}, which is not installed; install crowquill[editor]") from None
-    from crowquill.editor.session import Session
 
-    session = Session(file, settings)
+    session = _opened(file, settings)
     try:
         server = Server(session, port)
         for text in session.notes:
@@ -68,3 +71,16 @@ def _edited(
     elif session.path.exists():
         say(f"{len(session.history.entries)} edits are in {session.path}")
     return 0
+
+
+def _opened(file: Path, settings: Recipe | None) -> Session:
+    """The session of a file, with a progress bar on a terminal while its log is done again."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from crowquill.editor.session import Session
+
+    console = Console(stderr=True)
+    with silence(), Progress(console=console, transient=True, disable=not console.is_terminal) as bars:
+        shown = bars.add_task("recover", visible=False)
+        return Session(file, settings, lambda done, total: bars.update(shown, completed=done, total=total, visible=True))

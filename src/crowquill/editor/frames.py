@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from crowquill.editor.drawing import Drawing, Map
-from crowquill.editor.items import Columns, Items
+from crowquill.editor.items import Columns, Items, Mask
 from crowquill.paths import Paths
 
 ITEMS, RASTER, LINES = 1, 2, 3
@@ -21,47 +21,37 @@ def of_items(old: Drawing | None, new: Drawing, revision: int) -> bytes | None:
     """The frame that makes the items of an old drawing, or of none, those of a new one; None where they are the same."""
     before = {layer.id: layer.items for layer in old.layers} if old else {}
     after = {layer.id: layer.items for layer in new.layers}
-    removals, changes = [], []
-    stay = {id: items for id, items in after.items() if before.get(id) is not items}
-    moved = _ids([items for id, items in after.items() if before.get(id) is not items])
+    touched = {id: items for id, items in after.items() if before.get(id) is not items}
+    changes = [chunk for id, items in touched.items() for chunk in _changed(id, before.get(id, Items.none()), items)]
+    removals = []
     for id, items in before.items():
         if after.get(id) is not items:
-            gone = _missing(items.id, after[id].id if id in after else moved[:0])
-            gone = _missing(gone, moved)
+            gone = items.id
+            for there in touched.values():  # what is in another layer now has only moved
+                gone = gone[~_among(gone, there.id)]
             if len(gone):
                 removals.append(_chunk(id, gone, 0, {}))
-    for id, items in stay.items():
-        changes += _changed(id, before.get(id, Items.none()), items)
     chunks = removals + changes
     return struct.pack("<4I", ITEMS, revision, len(chunks), 0) + b"".join(chunks) if chunks else None
 
 
-def _ids(parts: list[Items]) -> Columns:
-    """The ids of several, rising."""
-    return np.sort(np.concatenate([np.zeros(0, np.uint32), *(items.id for items in parts)]))
-
-
-def _missing(ids: Columns, among: Columns) -> Columns:
-    """Those ids that are not among others, both rising."""
-    if ids is among or not len(ids):
-        return ids[:0]
-    if not len(among):
-        return ids
-    at = np.minimum(np.searchsorted(among, ids), len(among) - 1)
-    return np.asarray(ids[among[at] != ids])
+def _among(ids: Columns, others: Columns) -> Mask:
+    """Which ids are among others; by a table, as ids are small."""
+    if ids is others:
+        return np.ones(len(ids), bool)
+    table = np.zeros(1 + max(ids.max(initial=0), others.max(initial=0)), bool)
+    table[others] = True
+    return np.asarray(table[ids])
 
 
 def _changed(layer: int, old: Items, new: Items) -> list[bytes]:
     """Chunks for items that are new in a layer, and for those that changed there."""
-    here: npt.NDArray[np.int64] | None
-    there: npt.NDArray[np.int64] | None
-    if old.id is new.id or np.array_equal(old.id, new.id):
-        here = there = None
-        fresh = np.zeros(0, np.int64)
-    else:
-        at = np.minimum(np.searchsorted(old.id, new.id), max(0, len(old) - 1))
-        known = old.id[at] == new.id if len(old) else np.zeros(len(new), bool)
-        here, there, fresh = np.flatnonzero(known), at[known], np.flatnonzero(~known)
+    here: npt.NDArray[np.int64] | None = None
+    there: npt.NDArray[np.int64] | None = None
+    fresh = np.zeros(0, np.int64)
+    if old.id is not new.id and not np.array_equal(old.id, new.id):
+        known = _among(new.id, old.id)
+        here, there, fresh = np.flatnonzero(known), np.flatnonzero(_among(old.id, new.id)), np.flatnonzero(~known)
     chunks = [_chunk(layer, new.id[fresh], ALL, _columns(new, fresh))] if len(fresh) else []
     rows, bits = _different(old, new, there, here)
     if len(rows):

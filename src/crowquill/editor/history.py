@@ -60,6 +60,11 @@ class History:
         return self.at - was
 
     @property
+    def last_group(self) -> int:
+        """The group of the last entry that is done; 0 where none is."""
+        return self.entries[self.at - 1].group if self.at else 0
+
+    @property
     def next_group(self) -> int:
         """A group's number that no entry has."""
         return 1 + max((entry.group for entry in self.entries), default=0)

@@ -123,7 +123,7 @@ def _plain(text: bytes, name: str, number: int) -> Any:
 
 
 class Journal:
-    """A log that is written to. What the disk does not take waits, and is tried again with the next line."""
+    """A log that is written to: lines wait until they are written; what the disk does not take goes on waiting."""
 
     def __init__(self, path: Path, header: Header, sound: int = 0) -> None:
         """Opens the log after its sound bytes, cutting off what follows, or begins it. Raises OSError where it cannot be written."""
@@ -136,6 +136,7 @@ class Journal:
             os.ftruncate(self._file, sound)
             if not sound:
                 self.append(header.data())
+                self.write()
                 if self.error:
                     raise OSError(f"{path}: {self.error}")
                 _settle_folder(path.parent)
@@ -149,9 +150,12 @@ class Journal:
         return self._lines
 
     def append(self, *told: Mapping[str, Any]) -> None:
-        """Writes lines, and all that wait, to the disk. Where that fails they wait, and `error` says why."""
+        """Adds lines that wait to be written."""
         self._waiting += b"".join(map(line, told))
         self._lines += len(told)
+
+    def write(self) -> None:
+        """Writes all that waits to the disk. Where that fails it goes on waiting, and `error` says why."""
         if not self._waiting:
             return
         try:

@@ -10,15 +10,15 @@ from starlette.websockets import WebSocket
 
 from crowquill.editor import frames, telling
 from crowquill.editor.drawing import Drawing
+from crowquill.editor.requests import told
 from crowquill.editor.session import Session
 
 
 class Shown(Protocol):
-    """What pages show: a session whose drawing has a revision, once it is ready, and what is under way."""
+    """What pages show: a session whose drawing has a revision, and what is under way."""
 
     session: Session
     revision: int
-    ready: bool
 
     @property
     def busy(self) -> telling.Json | None:
@@ -26,26 +26,43 @@ class Shown(Protocol):
 
 
 class Page:
-    """A page: its socket, what it shows, and what is still to be said to it."""
+    """A page: its socket, what it shows, what is still to be said to it, how many requests it has open, and its groups in the log."""
 
     def __init__(self, socket: WebSocket) -> None:
         self.socket = socket
-        self.shown: Drawing | None = None
-        self.session: Session | None = None
-        self.revision = -1
         self.open = 0
-        self._said: list[telling.Json] = []
+        self.groups: dict[int, int] = {}
+        self._session: Session | None = None
+        self._shown: Drawing | None = None
+        self._revision = 0
+        self._said: list[telling.Json | bytes] = []
         self._wake = asyncio.Event()
+        self._wake.set()
 
-    def say(self, message: telling.Json) -> None:
+    def say(self, message: telling.Json | bytes) -> None:
         """Says something, after what has changed before; of the steps of one work only the last is kept."""
-        if message["say"] == "step":
-            self._said = [one for one in self._said if one["say"] != "step" or one["n"] != message["n"]]
+        if isinstance(message, dict) and message["say"] == "step":
+            self._said = [one for one in self._said if isinstance(one, bytes) or (one["say"], one.get("n")) != ("step", message["n"])]
         self._said.append(message)
         self._wake.set()
 
+    def answer(self, n: int, found: telling.Json) -> None:
+        """Answers a request."""
+        self.open -= 1
+        self.say({"say": "done", "n": n, "notes": [], **found})
+
+    def refuse(self, n: int, error: Exception) -> None:
+        """Answers a request that failed."""
+        self.open -= 1
+        self.say({"say": "error", "n": n, "text": told(error)})
+
     def wake(self) -> None:
         """Has the page catch up with what has changed."""
+        self._wake.set()
+
+    def forget(self) -> None:
+        """Has the page be told all of the drawing again."""
+        self._shown, self._revision = None, 0
         self._wake.set()
 
     async def follow(self, hub: Shown) -> None:
@@ -56,26 +73,27 @@ class Page:
             said, self._said = self._said, []
             await self._catch_up(hub)
             for message in said:
-                await self.socket.send_text(json.dumps(message, allow_nan=False))
+                await self._send(message)
+
+    async def _send(self, message: telling.Json | bytes) -> None:
+        if isinstance(message, bytes):
+            await self.socket.send_bytes(message)
+        else:
+            await self.socket.send_text(json.dumps(message, allow_nan=False))
 
     async def _catch_up(self, hub: Shown) -> None:
-        if not hub.ready:
+        """Sends what is other than what the page shows; in one piece, so that no other frame comes between."""
+        if self._session is not hub.session:
+            self._session = hub.session
+            self.forget()
+            await self._send(telling.hello(hub.session))
+        if self._revision == hub.revision:
             return
-        if self.session is not hub.session:
-            self.session, self.shown, self.revision = hub.session, None, -1
-            await self.socket.send_text(json.dumps(telling.hello(hub.session), allow_nan=False))
-        if self.revision == hub.revision:
-            return
-        shown, drawing, revision = self.shown, hub.session.drawing, hub.revision
-        told, parts = await asyncio.to_thread(_changes, shown, drawing, hub.session, revision)
-        told |= {"revision": revision, "frames": len(parts), "busy": hub.busy}
-        await self.socket.send_text(json.dumps(told, allow_nan=False))
-        for part in parts:
-            await self.socket.send_bytes(part)
-        self.shown, self.revision = drawing, revision
-
-
-def _changes(shown: Drawing | None, drawing: Drawing, session: Session, revision: int) -> tuple[telling.Json, list[bytes]]:
-    """The state to be told, and its frames."""
-    parts = [frames.of_items(shown, drawing, revision), frames.of_maps(shown, drawing, revision)]
-    return telling.state(drawing, shown, session.history.names()), [part for part in parts if part]
+        shown, drawing, revision = self._shown, hub.session.drawing, hub.revision
+        parts = [frames.of_items(shown, drawing, revision), frames.of_maps(shown, drawing, revision)]
+        every = [part for part in parts if part]
+        state = telling.state(drawing, shown, hub.session.history.names())
+        self._shown, self._revision = drawing, revision
+        await self._send(state | {"revision": revision, "frames": len(every), "busy": hub.busy})
+        for frame in every:
+            await self._send(frame)

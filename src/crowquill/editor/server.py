@@ -96,8 +96,8 @@ def application(session: Session, token: str, port: int) -> Guard:
 
     routes = [
         WebSocketRoute(f"/{token}/socket", connected),
-        Route(f"/{token}/picture.png", _served(hub, lambda: _picture(hub.session))),
-        Route(f"/{token}/libraries.json", _served(hub, lambda: json.dumps(telling.libraries()).encode(), "application/json")),
+        Route(f"/{token}/picture.png", _served(lambda: _picture(hub.session))),
+        Route(f"/{token}/libraries.json", _served(lambda: json.dumps(telling.libraries()).encode(), "application/json")),
         Route(f"/{token}/still-{{layer:int}}.svg", _still(hub)),
         Route(f"/{token}/", _page),
         Route(f"/{token}/{{name}}", _page),
@@ -114,9 +114,9 @@ def _missing() -> Response:
     return Response("there is nothing here", 404, headers=HEADERS)
 
 
-def _served(hub: Hub, make: Callable[[], bytes], kind: str = "image/png") -> Callable[[Request], Any]:
+def _served(make: Callable[[], bytes], kind: str = "image/png") -> Callable[[Request], Any]:
     async def answer(_request: Request) -> Response:
-        return _answer(await asyncio.to_thread(make), kind) if hub.ready else _missing()
+        return _answer(await asyncio.to_thread(make), kind)
 
     return answer
 
@@ -160,7 +160,7 @@ async def _page(request: Request) -> Response:
 
 def listening(port: int) -> socket.socket:
     """A socket that listens on a port of this machine alone, or on any free one for 0. Raises OSError for one in use."""
-    found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    found = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)  # named, or asyncio leaves delays of 40 ms in
     try:
         found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         found.bind((HOST, port))

@@ -30,10 +30,11 @@ OPENED = (".svg", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".gif", ".b
 class Session:
     """A drawing that is edited: the file in its folder, the log beside it, and the state now."""
 
-    def __init__(self, file: Path, settings: Recipe | None = None) -> None:
-        """Opens a picture, a drawing or a log, and goes on where its log ends; `recovered` still has to be called.
+    def __init__(self, file: Path, settings: Recipe | None = None, watch: Callable[[int, int], None] | None = None) -> None:
+        """Opens a picture, a drawing or a log, and does again what the log holds.
 
         settings  how a picture is laid out, where it has no log yet
+        watch     sees how many entries of how many are done
 
         Raises ValueError for a drawing that is being edited already, for settings beside a log, and whatever opening raises.
         """
@@ -45,6 +46,7 @@ class Session:
         self.lock = Lock(file.with_name(file.name + opening.SUFFIX + ".lock"), str(file))
         try:
             self._open(settings)
+            self._recover(watch)
         except BaseException:
             self.lock.release()
             raise
@@ -69,15 +71,18 @@ class Session:
         self.notes += begun.notes
         self.begun = self.drawing = begun
 
-    def recovered(self, watch: Callable[[int, int], None] | None = None) -> None:
-        """Does again what the log holds; `watch` sees how many of how many entries are done."""
-        for k in self.history.run():
-            if watch:
-                watch(k, self.history.at)
+    def _recover(self, watch: Callable[[int, int], None] | None) -> None:
+        try:
+            for k in self.history.run():
+                if watch:
+                    watch(k, self.history.at)
+        except ValueError as error:
+            self.journal.close()
+            raise ValueError(f"{self.path}: cannot be followed: {error}") from None
         self.drawing = self.history.drawing()
 
     def apply(self, op: str, params: Mapping[str, Any], seed: int | None, group: int, watch: Watch | None = None) -> bool:
-        """Does an operation and writes it down; False where it changed nothing and is not kept.
+        """Does an operation, which then waits to be written down; False where it changed nothing and is not kept.
 
         Raises ValueError for what is unknown or out of range, OSError for a file that cannot be read.
         """
