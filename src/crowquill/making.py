@@ -30,10 +30,14 @@ def named(wanted: Recipe, paths: Paths) -> Recipe:
     return replace(bare, sources={key: Source.of(path) for key, path in paths.items()})
 
 
-def laid_out(wanted: Recipe, paths: Paths) -> tuple[tuple[float, float], Tone]:
-    """The paper's sides in mm, and the tone in its place on it, on what lines and a scale bar leave free."""
+def laid_out(wanted: Recipe, paths: Paths, *, colour: bool = False) -> tuple[tuple[float, float], Tone]:
+    """The paper's sides in mm, and the tone in its place on it, on what lines and a scale bar leave free.
+
+    colour  keep the picture's colours, whatever the style
+    """
     full = wanted.with_paths(paths)
-    size, tone = layout.placed(layout.lit(paths[PICTURE], styles.coloured(full.style), **full.tone), **full.paper)
+    lit = layout.lit(paths[PICTURE], colour or styles.coloured(full.style), **full.tone)
+    size, tone = layout.placed(lit, **full.paper)
     return size, _finish(full, paths, tone).freed(tone, _widest(wanted, tone))
 
 

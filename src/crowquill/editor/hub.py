@@ -147,7 +147,7 @@ class Hub:
         return {}
 
     async def _export(self, _page: Page, request: Request) -> telling.Json:
-        return {"files": await self.work(lambda: self.session.export(request["files"], request["options"]))}
+        return {"files": await self.work(lambda: self.session.export(request["files"], request["options"], overwrite=request["overwrite"]))}
 
     async def _check(self, _page: Page, request: Request) -> telling.Json:
         return await self.work(lambda: self.session.checked(request["file"]))

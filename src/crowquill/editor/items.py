@@ -51,6 +51,11 @@ class Kind:
         """The greatest distance of the outline from the centre at scale 1, mm, up to a thousandth too large."""
         return self.glyph.reach if self.glyph else float(np.hypot(*self.paths.xy.T).max()) + 1e-3
 
+    @property
+    def axis(self) -> float:
+        """The direction of its long axis, rad; of a glyph that is x."""
+        return 0.0 if self.glyph else self.shape.axis
+
     @cached_property
     def shape(self) -> Shape:
         """The kind as what settles. Outlines that enclose nothing are taken for lines."""

@@ -15,8 +15,6 @@ from typing import Any
 from crowquill.editor.opening import Header
 from crowquill.vector import contents
 
-LONGEST = 4_000_000  # bytes of a line
-
 
 @dataclass(frozen=True)
 class Entry:
@@ -127,7 +125,8 @@ class Journal:
 
     def __init__(self, path: Path, header: Header, sound: int = 0) -> None:
         """Opens the log after its sound bytes, cutting off what follows, or begins it. Raises OSError where it cannot be written."""
-        self.path, self.error = path, ""
+        self.path = path
+        self._failure: OSError | None = None
         self._waiting = b""
         self._lines = 0
         self._sound = sound
@@ -137,8 +136,8 @@ class Journal:
             if not sound:
                 self.append(header.data())
                 self.write()
-                if self.error:
-                    raise OSError(f"{path}: {self.error}")
+                if self._failure:
+                    raise OSError(self._failure.errno, self._failure.strerror, str(path))
                 _settle_folder(path.parent)
         except OSError:
             self.close()
@@ -148,6 +147,11 @@ class Journal:
     def waiting(self) -> int:
         """How many lines are not on the disk yet."""
         return self._lines
+
+    @property
+    def error(self) -> str:
+        """Why lines are not on the disk yet."""
+        return (self._failure.strerror or "failed").lower() if self._failure else ""
 
     def append(self, *told: Mapping[str, Any]) -> None:
         """Adds lines that wait to be written."""
@@ -165,11 +169,11 @@ class Journal:
                 rest = rest[os.write(self._file, rest) :]
             os.fsync(self._file)
         except OSError as error:
-            self.error = (error.strerror or "failed").lower()
+            self._failure = error
             self._cut()
             return
         self._sound += len(self._waiting)
-        self._waiting, self._lines, self.error = b"", 0, ""
+        self._waiting, self._lines, self._failure = b"", 0, None
 
     def _cut(self) -> None:
         """Takes away what of a line was written, so that the log ends with a whole one."""

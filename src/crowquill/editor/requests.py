@@ -14,7 +14,7 @@ WITH: dict[str, dict[str, Any]] = {  # what requests take beside do and n, and w
     "stop": {},
     "cancel": {},
     "show": {"what": None, "layer": None},
-    "export": {"files": None, "options": {}},
+    "export": {"files": None, "options": {}, "overwrite": False},
     "check": {"file": None},
     "files": {},
     "open": {"file": None},
@@ -22,7 +22,7 @@ WITH: dict[str, dict[str, Any]] = {  # what requests take beside do and n, and w
 }
 KINDS: dict[str, tuple[type, ...]] = {
     "op": (str,), "params": (dict,), "seed": (int, type(None)), "group": (int, type(None)), "times": (int,), "count": (int,),
-    "what": (str,), "layer": (int, type(None)), "files": (list,), "options": (dict,), "file": (str,),
+    "what": (str,), "layer": (int, type(None)), "files": (list,), "options": (dict,), "file": (str,), "overwrite": (bool,),
 }  # fmt: skip
 
 Request = dict[str, Any]
@@ -58,7 +58,7 @@ def read(text: str | None) -> Request:
     request = {**takes, **data}
     for key in takes:
         value = request[key]
-        if not isinstance(value, KINDS[key]) or isinstance(value, bool):
+        if not isinstance(value, KINDS[key]) or (isinstance(value, bool) and KINDS[key] != (bool,)):
             raise Refused(f"{key} is {str(value)[:40]!r}; it takes another kind of value", n)
     return request
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
@@ -13,12 +12,12 @@ from typing import Any
 from crowquill import formats, preflight, styles
 from crowquill.editor import log, opening
 from crowquill.editor.drawing import Drawing, Layer, sheet_of
+from crowquill.editor.folder import digests, located, within
 from crowquill.editor.history import History
 from crowquill.editor.lock import Lock
 from crowquill.editor.log import Entry, Journal
 from crowquill.editor.opening import Header
 from crowquill.editor.operations import check, work
-from crowquill.knobs import Knob, Text
 from crowquill.recipe import Recipe
 from crowquill.sheet import Sheet, Step
 from crowquill.vector import contents
@@ -87,8 +86,8 @@ class Session:
         Raises ValueError for what is unknown or out of range, OSError for a file that cannot be read.
         """
         number = len(self.history.entries) if seed is None else seed
-        entry = Entry(op, params, number, group, digests(op, params, self.folder))
-        check(op, located(entry, self.folder), number)
+        takes = check(op, {}, number)[0].knobs
+        entry = Entry(op, params, number, group, digests(self.folder, takes, params))
         made = self._perform(self.drawing, entry, watch)
         if same(made, self.drawing):
             self.drawing = replace(self.drawing, facts=made.facts, notes=made.notes)
@@ -119,14 +118,19 @@ class Session:
         """The drawing as files have it."""
         return written(self.header, self.drawing)
 
-    def export(self, names: Sequence[str], options: Mapping[str, Any]) -> list[str]:
-        """Writes the drawing to files of the folder, all or none. ValueError for names that are no bare ones, and unknown options."""
+    def export(self, names: Sequence[str], options: Mapping[str, Any], *, overwrite: bool = False) -> list[str]:
+        """Writes the drawing to files of the folder, all or none.
+
+        Raises ValueError for names that are no bare ones and unknown options, FileExistsError for what is there and may not be replaced.
+        """
         paths = [self.within(name) for name in names]
         if not paths:
             raise ValueError("files is empty; name one, such as drawing.pdf")
         read = [self.file, self.path]
-        formats.check(paths, sources=read)
-        plan = formats.writers(self.sheet(), [(path, None) for path in paths], options)
+        formats.check(paths, overwrite=overwrite, sources=read)
+        takes = {key: knob for path in paths for key, knob in formats.knobs(path.suffix[1:].lower()).items()}
+        chosen = located(self.folder, takes, options, digests(self.folder, takes, options))
+        plan = formats.writers(self.sheet(), [(path, None) for path in paths], chosen)
         formats.replace_files(list(zip(paths, plan, strict=True)))
         return [path.name for path in paths]
 
@@ -152,16 +156,6 @@ class Session:
         self.lock.release()
 
 
-def within(folder: Path, name: Any) -> Path:
-    """The path of a file in a folder. ValueError for anything but a bare name, and for links that lead elsewhere."""
-    if not isinstance(name, str) or not name or name in (".", "..") or any(mark in name for mark in "/\\\0:"):
-        raise ValueError(f"{str(name)[:100]!r} is not the name of a file in the folder; give one without folders")
-    path = folder / name
-    if Path(os.path.realpath(path)) != Path(os.path.realpath(folder)) / name:
-        raise ValueError(f"{name!r} is a link to another place; give a file of the folder")
-    return path
-
-
 def same(a: Drawing, b: Drawing) -> bool:
     """Whether two drawings are one in all that can be edited."""
     if a.tone is not b.tone or a.wish is not b.wish or a.wall is not b.wall or len(a.layers) != len(b.layers):
@@ -184,7 +178,8 @@ def written(header: Header, drawing: Drawing) -> Sheet:
 
 def performed(drawing: Drawing, entry: Entry, folder: Path, watch: Watch | None = None) -> Drawing:
     """The drawing that an entry makes, with the files that it reads from a folder. ValueError where one of them is another now."""
-    return styles.run(work(drawing, entry.op, located(entry, folder), entry.seed), watch)
+    params = located(folder, check(entry.op, {}, entry.seed)[0].knobs, entry.params, entry.files)
+    return styles.run(work(drawing, entry.op, params, entry.seed), watch)
 
 
 def replayed(path: Path) -> Iterator[tuple[int, int, Drawing, Header]]:
@@ -198,27 +193,3 @@ def replayed(path: Path) -> Iterator[tuple[int, int, Drawing, Header]]:
         except ValueError as error:
             raise ValueError(f"{path}: entry {k}, {entry.op}: {error}") from None
         yield k, len(found.done), drawing, found.header
-
-
-def _file_knobs(op: str, params: Mapping[str, Any]) -> list[str]:
-    """The parameters of an operation that name a file; a word, such as that of a library that comes along, has no suffix."""
-    takes: Mapping[str, Knob] = check(op, {}, 0)[0].knobs
-    files = [key for key, knob in takes.items() if isinstance(knob.takes, Text) and knob.takes.file]
-    return [key for key in files if isinstance(params.get(key), str) and (Path(params[key]).suffix or any(m in params[key] for m in "/\\"))]
-
-
-def digests(op: str, params: Mapping[str, Any], folder: Path) -> dict[str, str]:
-    """The SHA-256 of each file of the folder that an operation reads. Raises ValueError for names that are none."""
-    named = {key: within(folder, params[key]) for key in _file_knobs(op, params)}
-    return {path.name: hashlib.sha256(contents(path)).hexdigest() for path in named.values()}
-
-
-def located(entry: Entry, folder: Path) -> dict[str, Any]:
-    """The parameters of an entry with paths for its files. Raises ValueError for a file that is not what it was."""
-    params = dict(entry.params)
-    for key in _file_knobs(entry.op, params):
-        path = within(folder, params[key])
-        if hashlib.sha256(contents(path)).hexdigest() != entry.files.get(path.name):
-            raise ValueError(f"{path}: is not the file that was read (its SHA-256 differs); give the same")
-        params[key] = str(path)
-    return params

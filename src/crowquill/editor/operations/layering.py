@@ -16,6 +16,7 @@ from crowquill.sheet import Ink
 MOST = 200  # layers
 
 Of = Annotated[int, Range(1, 10**6, "", "its number")]
+LONGEST = 100  # letters of a name
 Name = Annotated[str | None, Text("shown in editors")]
 Cmyk = Annotated[tuple[float, ...] | None, Numbers(0, 1, "", "shares of cyan, magenta, yellow and black", 4)]
 Pen = Annotated[float | None, Range(0, 50, "mm", "width of strokes; 0 fills")]
@@ -33,7 +34,7 @@ def layer_add(
     """Add a layer at the top; black and filled where nothing else is said."""
     if len(drawing.layers) >= MOST:
         raise ValueError(f"there are {MOST} layers, as many as there may be; remove one")
-    new = Layer(drawing.next_layer, name or "", _inked(Ink(), cmyk, pen), Items.none())
+    new = Layer(drawing.next_layer, _plain(name or ""), _inked(Ink(), cmyk, pen), Items.none())
     return replace(drawing, layers=(*drawing.layers, new), next_layer=drawing.next_layer + 1, facts={"layer": new.id})
 
 
@@ -51,7 +52,9 @@ def layer_edit(
 ) -> Drawing:
     """Change a layer: its name, ink or pen, whether it is hidden or locked. What is left out stays."""
     found = drawing.layer(layer)
-    changes: dict[str, Any] = {key: value for key, value in (("name", name), ("hidden", hidden), ("locked", locked)) if value is not None}
+    changes: dict[str, Any] = {key: value for key, value in (("hidden", hidden), ("locked", locked)) if value is not None}
+    if name is not None:
+        changes["name"] = _plain(name)
     ink = _inked(found.ink, cmyk, pen)
     if found.still and ink != found.ink:
         raise ValueError(f"layer {found.name!r} is not edited here; only its name, place and whether it is hidden can change")
@@ -95,11 +98,16 @@ def layer_take(
     (target,) = drawing.free(layer)
     parts = [target.items]
     for other in list(drawing.free()):
-        mask = other.items.selected
+        mask = other.items.selected & ~other.items.frozen
         if other.id != target.id and mask.any():
             parts.append(other.items.take(mask))
             drawing = drawing.with_items({other.id: other.items.take(~mask)})
     return drawing.with_items({target.id: Items.joined(parts)}) if len(parts) > 1 else drawing
+
+
+def _plain(name: str) -> str:
+    """A name without letters that files cannot hold."""
+    return "".join(letter if letter.isprintable() else "?" for letter in name[:LONGEST])
 
 
 def _inked(ink: Ink, cmyk: tuple[float, ...] | None, pen: float | None) -> Ink:

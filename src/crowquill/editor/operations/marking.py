@@ -12,8 +12,9 @@ from crowquill import glyphs, shapes
 from crowquill.editor.brushes import Brush, Falloff, OfLayer, On, Path, Size, Strength, meant
 from crowquill.editor.drawing import Drawing, Layer
 from crowquill.editor.fields import flow
-from crowquill.editor.items import Items, Kind, micrometres
+from crowquill.editor.items import Items, Kind, Mask, micrometres
 from crowquill.editor.operations import operation
+from crowquill.kernel import compiled
 from crowquill.knobs import Choice, Flag, Range, Text
 from crowquill.paths import Array, Index
 from crowquill.stippling import PEN
@@ -21,8 +22,9 @@ from crowquill.stippling import PEN
 FIRST = "nib-03"  # what is inserted where a layer has nothing yet
 ROUND = float(np.sqrt(np.pi) / 2)  # the scale of a glyph over its diameter
 TRIES = 100_000  # of one operation
+SQUARES = 1000  # of a grid, to a side
 
-Which = Annotated[str | None, Text("a library, or library/number; left out, what the layer has")]
+Which = Annotated[str | None, Text("a library, library/number, or an SVG; left out, what the layer has", file=True)]
 
 
 @operation("brush")
@@ -102,21 +104,30 @@ def _kinds(drawing: Drawing, layer: Layer, glyph: str | None) -> tuple[tuple[Kin
     return found, size / np.sqrt((size**2).mean())
 
 
-@lru_cache(32)
 def library(name: str) -> tuple[Kind, ...]:
-    """The kinds of a library that comes along, of dots or of objects, or the one of library/number. ValueError for an unknown one."""
+    """The kinds of a library that comes along, of dots or of objects, or the one of library/number, or all of an SVG file.
+
+    Of an object with areas its lines are left out. Raises ValueError for an unknown one.
+    """
+    if name.lower().endswith(".svg"):
+        return tuple(_kind("", motif) for motif in shapes.load(name).motifs)
     book, _, number = name.partition("/")
-    if book in glyphs.names():
-        found = tuple(Kind.of_glyph(glyph, f"{book}/{k}") for k, glyph in enumerate(glyphs.load(book).glyphs))
-    elif book in shapes.names():
-        found = tuple(_kind(f"{book}/{k}", motif) for k, motif in enumerate(shapes.load(book).motifs))
-    else:
+    if book not in [*glyphs.names(), *shapes.names()]:
         raise ValueError(f"no library {book!r}; there are {', '.join([*glyphs.names(), *shapes.names()])}")
+    found = _book(book)
     if not number:
         return found
     if not number.isdecimal() or int(number) >= len(found):
         raise ValueError(f"no shape {number!r} in library {book}; it has 0 to {len(found) - 1}")
     return (found[int(number)],)
+
+
+@lru_cache(32)
+def _book(name: str) -> tuple[Kind, ...]:
+    """The kinds of a library that comes along."""
+    if name in glyphs.names():
+        return tuple(Kind.of_glyph(glyph, f"{name}/{k}") for k, glyph in enumerate(glyphs.load(name).glyphs))
+    return tuple(_kind(f"{name}/{k}", motif) for k, motif in enumerate(shapes.load(name).motifs))
 
 
 def _kind(name: str, motif: shapes.Motif) -> Kind:
@@ -127,29 +138,43 @@ def _kind(name: str, motif: shapes.Motif) -> Kind:
     return Kind(paths.moved(np.eye(2) / (ROUND * motif.across)), None, name)
 
 
-def roomy(items: Items, reach: Array, xy: Array, own: Array, gap: float) -> Index:
-    """Which new places (n, 2) stay, as a mask, when each nearer than the gap to an item or to one before it goes.
+def roomy(items: Items, reach: Array, xy: Array, own: Array, gap: float) -> Mask:
+    """Which new places (n, 2) stay, when each that is nearer than the gap to an item or to one before it goes.
 
     All are taken as circles: items of these reaches (k,) mm, the new of their `own` (n,).
     """
-    from scipy.spatial import cKDTree
-
-    if not len(xy):
-        return np.zeros(0, bool)
-    most = float(own.max() + max(own.max(), reach.max(initial=0.0)) + gap)
+    stay = np.ones(len(xy), bool)
+    most = float(own.max(initial=0.0) + max(own.max(initial=0.0), reach.max(initial=0.0)) + gap)
+    if not len(xy) or most <= 0:
+        return stay
     low, high = xy.min(axis=0) - most, xy.max(axis=0) + most
     near = np.flatnonzero(((items.xy >= low) & (items.xy <= high)).all(axis=1))
-    old = len(near)
+    side = max(most, float((high - low).max()) / SQUARES)
+    columns, rows = np.floor((high - low) / side).astype(np.int64) + 1
     places, radius = np.concatenate([items.xy[near], xy]), np.concatenate([reach[near], own])
-    stay = np.ones(len(places), bool)
-    if most > 0:
-        pairs = np.sort(cKDTree(places).query_pairs(most, output_type="ndarray"), axis=1)
-        pairs = pairs[pairs[:, 1] >= old]
-        close = np.hypot(*(places[pairs[:, 0]] - places[pairs[:, 1]]).T) < radius[pairs].sum(axis=1) + gap
-        pairs = pairs[close]
-        for i, j in pairs[np.lexsort((pairs[:, 0], pairs[:, 1]))].tolist():
-            stay[j] &= not stay[i]
-    return stay[old:]
+    column, row = np.floor((places - low) / side).astype(np.int64).T
+    _settle(places, radius, gap, column, row, np.full((rows, columns), -1), np.full(len(places), -1), len(near), stay)
+    return stay
+
+
+@compiled
+def _settle(places: Array, radius: Array, gap: float, column: Index, row: Index, head: Index, after: Index, old: int, stay: Mask) -> None:
+    """Places one after the other into squares, each a chain of places; of the new, from `old` on, only those that have room."""
+    for i in range(len(places)):
+        x, y = column[i], row[i]
+        if i >= old:
+            for v in range(max(0, y - 1), min(head.shape[0], y + 2)):
+                for u in range(max(0, x - 1), min(head.shape[1], x + 2)):
+                    j = head[v, u]
+                    while j >= 0 and stay[i - old]:
+                        room = radius[i] + radius[j] + gap
+                        far = (places[i, 0] - places[j, 0]) ** 2 + (places[i, 1] - places[j, 1]) ** 2
+                        if room > 0 and far < room * room:
+                            stay[i - old] = False
+                        j = after[j]
+            if not stay[i - old]:
+                continue
+        after[i], head[y, x] = head[y, x], i
 
 
 @operation("brush")
@@ -187,7 +212,7 @@ def swap(
     strength: Strength = 1.0,
     falloff: Falloff = "flat",
     layer: OfLayer = None,
-    glyph: Annotated[str, Text("a library, or library/number")] = FIRST,
+    glyph: Annotated[str, Text("a library, library/number, or an SVG file", file=True)] = FIRST,
 ) -> Drawing:
     """Exchange the shapes of marks for others of the same size; below full strength some stay as they are."""
     changed, at = drawing.with_kinds(library(glyph))

@@ -164,7 +164,7 @@ def turn(
         elif by == "random":
             way = rng.uniform(-np.pi, np.pi, len(rows)) * weight
         else:
-            axes = np.array([drawing.kinds[k].shape.axis for k in items.kind[rows]])
+            axes = np.array([drawing.kinds[k].axis for k in items.kind[rows]])
             wanted = heading.heading(items.xy[rows]) if heading else flow(drawing, items.xy[rows])
             way = weight * _half_turn(wanted - items.angle[rows] - axes)
         return items.posed(rows, angle=items.angle[rows] + way)

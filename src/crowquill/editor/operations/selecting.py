@@ -37,11 +37,11 @@ def select(
     found = {one.id: one.items for one in drawing.free(layer)}
     hit = _hit(drawing, found, by, path, size, low, high)
     changed = {}
-    for one in drawing.layers:
+    for one in drawing.free():
         old = one.items.selected
-        meant = hit.get(one.id, np.zeros(len(old), bool))
-        if by in ("invert", "none") and one.id not in hit:
+        if one.id not in hit and (by == "invert" or mode != "replace"):
             continue
+        meant = hit.get(one.id, np.zeros(len(old), bool))
         new = {"replace": meant, "add": old | meant, "remove": old & ~meant}["replace" if by == "invert" else mode]
         if (new != old).any():
             changed[one.id] = one.items.having(slice(None), selected=new)
