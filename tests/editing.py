@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import shapely
@@ -21,7 +21,7 @@ from crowquill.editor.drawing import Drawing, Layer, Map, Picture
 from crowquill.editor.items import COLUMNS, Items
 from crowquill.editor.operations import applied
 from crowquill.editor.operations.marking import library
-from crowquill.editor.server import Server
+from crowquill.editor.server import Server, listening
 from crowquill.editor.session import Session
 from crowquill.sheet import Ink
 
@@ -82,7 +82,7 @@ def picture(path: Path, size: tuple[int, int] = (60, 40)) -> Path:
 @contextmanager
 def serving(session: Session) -> Iterator[Server]:
     """A server of a session on a free port, in a thread."""
-    server = Server(session)
+    server = Server(session, listening(0))
     thread = threading.Thread(target=server.serve_until_stopped, daemon=True)
     thread.start()
     try:
@@ -90,7 +90,6 @@ def serving(session: Session) -> Iterator[Server]:
     finally:
         server.should_exit = True
         thread.join(PATIENCE)
-        session.close()
         assert not thread.is_alive()
 
 
@@ -102,6 +101,14 @@ COLUMN = (
     (16, "fill", "<u4", 1),
     (32, "flags", "u1", 1),
 )
+
+
+class Address(Protocol):
+    """What has an address."""
+
+    @property
+    def address(self) -> str:
+        """Where the page is."""
 
 
 @dataclass
@@ -119,11 +126,10 @@ class Page:
     n: int = 0
 
     @classmethod
-    def at(cls, server: Server, **more: Any) -> Page:
+    def at(cls, server: Address) -> Page:
         """A page at a server's address, once it shows the drawing."""
-        page = cls(
-            connect(f"ws{server.address[4:]}socket", origin=server.address.split("/", 3)[0] + "//" + server.address.split("/")[2], **more)
-        )
+        origin = server.address.rsplit("/", 2)[0]
+        page = cls(connect(f"ws{server.address[4:]}socket", origin=origin).__enter__())
         while not page.state:
             page.hear()
         return page

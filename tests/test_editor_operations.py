@@ -292,6 +292,14 @@ def test_redraw_replaces_what_lies_in_the_region_and_nothing_else():
     assert len(new) == 50 and ((new.xy >= (15, 15)) & (new.xy <= (40, 45))).all()
 
 
+def test_every_style_draws_over_a_picture_with_colours():
+    base = drawing()
+    rgb = np.full((40, 60, 3), 120, np.uint8)
+    base = replace(base, picture=replace(base.picture, rgb=rgb))
+    made = do(base, "redraw stipple", dots=5000, iterations=0)  # over a site a pixel
+    assert len(items(made)) > 4000
+
+
 def test_redraw_all_over_is_what_the_style_draws_by_itself():
     from crowquill import styles
 

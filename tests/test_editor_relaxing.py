@@ -1,4 +1,4 @@
-"""Relaxation in the editor: a step is the library's own, what is not meant stays to the bit, and a part has the cells it has in the whole."""
+"""Relaxation in the editor: a step is the library's own, what is not meant stays to the bit, and a part has its cells of the whole."""
 
 from __future__ import annotations
 

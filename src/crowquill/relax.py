@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -63,7 +63,7 @@ def scatter(tone: Tone, n: int, rng: np.random.Generator, how: str = "even") -> 
     split = int(np.ceil(np.sqrt(max(1.0, PIXELS_A_SITE * n / tone.coverage.size))))
     if split > 1:
         finer: Array = np.kron(tone.coverage, np.ones((split, split))).astype(np.float64)
-        tone = replace(tone, coverage=finer, importance=None)
+        tone = Tone(finer, tone.size, tone.canvas)
     ink = tone.coverage * tone.inside
     order = hilbert.of_grid(*ink.shape) if how == "even" else np.arange(ink.size)
     total = np.cumsum(ink.ravel()[order])

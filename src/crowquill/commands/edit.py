@@ -6,6 +6,7 @@ where it ended. `crowquill replay FILE.edits OUT` draws the same again.
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import webbrowser
 from pathlib import Path
@@ -48,29 +49,35 @@ def _edited(
     settings: Recipe | None = None,
 ) -> int:
     try:
-        from crowquill.editor.server import Server
+        from crowquill.editor.server import Server, listening
     except ModuleNotFoundError as error:
         raise ValueError(f"the editor needs {error.name}, which is not installed; install crowquill[editor]") from None
 
-    session = _opened(file, settings)
-    try:
-        server = Server(session, port)
+    with listening(port) as listener:
+        session = _opened(file, settings)
+        server = Server(session, listener)
         for text in session.notes:
             note(text)
-        say(server.address)
-        if not no_browser:
-            webbrowser.open(server.address)
-        server.serve_until_stopped()
-    except KeyboardInterrupt:
-        pass  # how an editor is left
-    finally:
-        session.close()
-    waiting = session.journal.waiting
-    if waiting:
-        note(f"{waiting} edits could not be written ({session.journal.error}) and are lost")
-    elif session.path.exists():
-        say(f"{len(session.history.entries)} edits are in {session.path}")
+        try:
+            say(server.address)
+            if not no_browser:
+                webbrowser.open(server.address)
+        except BaseException:
+            session.close()
+            raise
+        with contextlib.suppress(KeyboardInterrupt):  # how an editor is left
+            server.serve_until_stopped()
+    _tell(server.session)
     return 0
+
+
+def _tell(session: Session) -> None:
+    """Says where the edits are, and which are lost."""
+    journal = session.journal
+    if journal.waiting:
+        note(f"{journal.waiting} edits could not be written ({journal.error}) and are lost")
+    if session.history.entries:
+        say(f"{len(session.history.entries)} edits are in {session.path}")
 
 
 def _opened(file: Path, settings: Recipe | None) -> Session:

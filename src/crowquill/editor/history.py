@@ -65,9 +65,9 @@ class History:
         return self.entries[self.at - 1].group if self.at else 0
 
     @property
-    def next_group(self) -> int:
-        """A group's number that no entry has."""
-        return 1 + max((entry.group for entry in self.entries), default=0)
+    def last_number(self) -> int:
+        """The greatest number of a group, 0 without any."""
+        return max((entry.group for entry in self.entries), default=0)
 
     def names(self) -> tuple[list[str], list[str]]:
         """The operations of the groups that could be undone, the next first, and of those that could be redone; 50 of each at most."""

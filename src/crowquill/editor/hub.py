@@ -33,7 +33,7 @@ class Hub:
         self.player = Player(self)
         self._queue: asyncio.Queue[tuple[Page, Request] | None] = asyncio.Queue()
         self._thread = ThreadPoolExecutor(1, "drawing")
-        self._group = session.history.next_group
+        self._group = session.history.last_number
         self._unsaved = 0
 
     @property
@@ -169,7 +169,7 @@ class Hub:
 
         old, self.session = self.session, await self.work(lambda: Session(path, watch=watch))
         await self.work(old.close)
-        self._group = self.session.history.next_group
+        self._group = self.session.history.last_number
         for page in self.pages:
             page.groups.clear()
         self.changed()

@@ -141,6 +141,8 @@ class Journal:
                 _settle_folder(path.parent)
         except OSError:
             self.close()
+            if not sound:
+                path.unlink(missing_ok=True)
             raise
 
     @property

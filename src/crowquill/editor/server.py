@@ -159,26 +159,26 @@ async def _page(request: Request) -> Response:
 
 
 def listening(port: int) -> socket.socket:
-    """A socket that listens on a port of this machine alone, or on any free one for 0. Raises OSError for one in use."""
+    """A socket that listens on a port of this machine alone, or on any free one for 0. Raises ValueError for one that cannot be had."""
     found = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)  # named, or asyncio leaves delays of 40 ms in
     try:
         found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         found.bind((HOST, port))
         found.listen(128)
-    except OSError:
+    except OSError as error:
         found.close()
-        raise
+        raise ValueError(f"port {port} cannot be had ({(error.strerror or 'failed').lower()}); give another --port, or 0 for any") from None
     return found
 
 
 class Server(uvicorn.Server):
     """The server of one session; `address` is where its page is."""
 
-    def __init__(self, session: Session, port: int = 0, token: str | None = None) -> None:
-        """Listens at once; raises OSError for a port in use. `token` is chosen at random where none is given."""
-        self.listener = listening(port)
-        self.port = self.listener.getsockname()[1]
-        self.token = token or secrets.token_urlsafe(24)
+    def __init__(self, session: Session, listener: socket.socket) -> None:
+        """A server at a socket that listens, below a token of its own."""
+        self.listener = listener
+        self.port = listener.getsockname()[1]
+        self.token = secrets.token_urlsafe(24)
         self.app = application(session, self.token, self.port)
         super().__init__(
             uvicorn.Config(
@@ -197,9 +197,15 @@ class Server(uvicorn.Server):
         await self.app.hub.close("the editor was closed; all edits are in its log")
         await super().shutdown(sockets)
 
+    @property
+    def session(self) -> Session:
+        """What is edited now: a page may open another file."""
+        return self.app.hub.session
+
     def serve_until_stopped(self) -> None:
-        """Serves until a signal or `should_exit`; a signal is raised again at the end."""
+        """Serves until a signal or `should_exit`, and closes session and socket; a signal is raised again at the end."""
         try:
             self.run(sockets=[self.listener])
         finally:
             self.listener.close()
+            self.session.close()

@@ -22,6 +22,7 @@ from crowquill.sheet import shifted
 def redraw(style: str, drawing: Drawing, rng: np.random.Generator, *, path: Path = None, **knobs: Any) -> Work:
     """Draw a region anew in a style: what lies in the path drawn, or on the canvas, goes, if it may change."""
     tone, corner = drawing.toned(), drawing.picture.corner
+    tone = tone if styles.coloured(style) else replace(tone, rgb=None)
     if path is not None:
         area = shapely.intersection(shapely.transform(outline(path), lambda xy: xy - corner), tone.canvas)
         if not shapely.area(area) > 0:
