@@ -27,7 +27,7 @@ from crowquill.sheet import Ink, Layer, Sheet
 SMALL = {"paper": "80x60mm", "margin": 10}
 BRUSH: dict[str, Any] = {"path": way((40, 30)), "size": 10}
 WORK: list[tuple[str, dict[str, Any]]] = [
-    ("redraw stipple", {"dots": 150, "iterations": 2}),
+    ("redraw stipple", {"dots": 80, "iterations": 1, "glyphs": "disc"}),
     ("insert", {**BRUSH, "rate": 30, "gap": -5}),
     ("erase", {**BRUSH, "strength": 0.5}),
     ("push", {"path": way((40, 30), (42, 31)), "size": 8}),
@@ -113,7 +113,7 @@ def test_states_that_found_no_room_are_made_again():
         kept += 1
         return performed(state, entry, Path())
 
-    narrow = History(drawing(200), (), 0, perform, room=40_000)  # a state of 200 marks takes some 10 kB
+    narrow = History(drawing(200), (), 0, perform, room=8_000)  # where 200 marks lie takes 1.6 kB
     wide = History(drawing(200), (), 0, lambda state, entry: performed(state, entry, Path()))
     for k in range(20):
         entry = Entry("jitter", {"on": "all"}, k, k + 1)
@@ -342,6 +342,35 @@ def test_settings_beside_a_log_are_refused():
         session()
 
 
+@pytest.mark.usefixtures("desk")
+def test_settings_of_a_drawing_and_files_that_are_elsewhere_are_refused(tmp_path_factory):
+    away = picture(tmp_path_factory.mktemp("away") / "wish.png")
+    with pytest.raises(ValueError, match=r"put the importance beside ramp\.png"):
+        Session(Path("ramp.png"), Recipe("stipple", tone={"importance": str(away)}))
+    Path("a.svg").write_text("<svg/>")
+    with pytest.raises(ValueError, match="settings of paper and tone are for pictures"):
+        Session(Path("a.svg"), Recipe("stipple", paper=SMALL))
+    assert sorted(path.name for path in Path().iterdir()) == ["a.svg", "ramp.png"]
+
+
+@pytest.mark.usefixtures("desk")
+def test_the_settings_of_a_picture_lay_it_out_and_a_check_bar_cannot_be_moved():
+    picture(Path("wish.png"))
+    edited = session(tone={"invert": True, "importance": "wish.png"})
+    assert edited.drawing.wish and edited.drawing.tone.values[0, 0] > edited.drawing.tone.values[0, -1]
+    edited.close()
+    barred = Session(Path("ramp.png"), Recipe("stipple", paper={**SMALL, "check_bar": True}))
+    assert [layer.locked for layer in barred.drawing.layers] == [False, True]
+    assert [layer.label for layer in barred.sheet().layers] == ["check bar 10 mm"]
+    barred.apply("redraw stipple", {"dots": 20, "iterations": 1}, None, 1)
+    barred.journal.write()
+    state = digest(barred.drawing)
+    barred.close()
+    again = Session(Path("ramp.png"))
+    assert digest(again.drawing) == state
+    again.close()
+
+
 @pytest.fixture(scope="module")
 def stippled() -> Sheet:
     tone = crowquill.Tone(np.tile(np.linspace(0, 0.9, 60), (40, 1)), (60.0, 40.0))
@@ -349,7 +378,7 @@ def stippled() -> Sheet:
 
 
 @pytest.mark.usefixtures("desk")
-def test_a_drawing_that_was_only_opened_is_exported_as_it_was():
+def test_a_drawing_that_was_only_opened_is_exported_as_it_was(capsys):
     assert main(["stipple", "ramp.png", "dots.svg", "--paper", "80x60mm", "--margin", "10mm", "--dots", "120", "--iterations", "2"]) == 0
     before = crowquill.load("dots.svg")
     edited = Session(Path("dots.svg"))
@@ -367,6 +396,7 @@ def test_a_drawing_that_was_only_opened_is_exported_as_it_was():
     assert again.drawing.picture.rgb is not None and len(items(again.drawing)) == len(items(edited.drawing))
     again.close()
     assert main(["redo", "edited.svg", "c.svg"]) == 2
+    assert "was edited by hand" in capsys.readouterr().err
 
 
 COARSE = {

@@ -239,7 +239,7 @@ VALUES = st.recursive(
 )
 
 
-@settings(max_examples=60)
+@settings(max_examples=40)
 @given(
     op=st.sampled_from([name for name in (one["name"] for one in telling.operations()) if not name.startswith(("redraw", "layer rem"))]),
     params=st.dictionaries(
@@ -289,7 +289,7 @@ def test_a_stroke_in_pieces_is_undone_as_one_and_two_pages_have_groups_of_their_
 
 def begun(server: Server) -> Page:
     page = Page.at(server)
-    assert page.apply("redraw stipple", dots=300, iterations=1)["say"] == "done"
+    assert page.apply("redraw stipple", dots=300, iterations=1, glyphs="disc")["say"] == "done"
     return page
 
 

@@ -162,6 +162,8 @@ def read_toml(data: bytes, name: str) -> Recipe:
 def _parsed(data: Any) -> Recipe:
     if isinstance(data, Mapping) and data.get("style") == "plate":
         raise ValueError("is a plate of several drawings; use crowquill plate, or plate.redo in Python")
+    if isinstance(data, Mapping) and "edits" in data:
+        raise ValueError("was edited by hand; draw it again from the editor's log with crowquill replay")
     if not isinstance(data, Mapping) or "style" not in data:
         raise ValueError("has no recipe: it does not say its style; give a file drawn by the command line")
     schema = data.get("schema", SCHEMA)

@@ -20,7 +20,7 @@ class History:
         self.entries = list(entries)
         self.at = at
         self._kept: dict[int, Drawing] = {0: begun}
-        self._room = room
+        self._room, self._held = room, 0
 
     def run(self) -> Iterator[int]:
         """Makes the drawing that is done, entry by entry; the number of each."""
@@ -83,20 +83,24 @@ class History:
 
     def _keep(self, k: int, drawing: Drawing) -> None:
         """Keeps a drawing; where room is short, of the others every second goes, those far from here first. The first stays."""
+        before = _arrays(self._kept[k - 1]) if k - 1 in self._kept else {}
         self._kept[k] = drawing
-        while len(self._kept) > 3 and self._size() > self._room:
+        self._held += sum(size for array, size in _arrays(drawing).items() if array not in before)
+        while self._held > self._room and len(self._kept) > 3:
             far = sorted((n for n in self._kept if n not in (0, k)), key=lambda n: -abs(n - k))
             for n in far[: max(1, len(far) // 2)][::2]:
                 del self._kept[n]
+            every: dict[int, int] = {}
+            for one in self._kept.values():
+                every |= _arrays(one)
+            self._held = sum(every.values())
 
-    def _size(self) -> int:
-        """The bytes of all arrays kept, each counted once."""
-        seen: dict[int, int] = {}
-        for drawing in self._kept.values():
-            arrays = [drawing.tone.values, *([drawing.wish.values] if drawing.wish else [])]
-            arrays += [column for layer in drawing.layers for column in layer.items.columns()]
-            seen |= {id(array): array.nbytes for array in arrays}
-        return sum(seen.values())
+
+def _arrays(drawing: Drawing) -> dict[int, int]:
+    """The bytes of each array of a drawing; many share some."""
+    arrays = [drawing.tone.values, *([drawing.wish.values] if drawing.wish else [])]
+    arrays += [column for layer in drawing.layers for column in layer.items.columns()]
+    return {id(array): array.nbytes for array in arrays}
 
 
 def _grouped(entries: Sequence[Entry]) -> list[str]:

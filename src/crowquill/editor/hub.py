@@ -14,7 +14,7 @@ from starlette.websockets import WebSocketDisconnect
 from crowquill.editor import telling
 from crowquill.editor.pages import Page
 from crowquill.editor.playing import Play, Player
-from crowquill.editor.requests import Request, read
+from crowquill.editor.requests import Request, read, told
 from crowquill.editor.session import Session
 
 RETRY = 2.0  # s between trials to write what waits
@@ -47,7 +47,11 @@ class Hub:
         try:
             while True:
                 if self.player.goes_on and self._queue.empty():
-                    await self.player.step()
+                    try:
+                        await self.player.step()
+                    except Exception as error:  # a fault of ours must not end all other work
+                        self.player.drop()
+                        self.tell({"say": "error", "n": None, "text": told(error)})
                 elif wanted := await self._queue.get():
                     await self._carry_out(*wanted)
         finally:

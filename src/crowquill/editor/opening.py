@@ -21,7 +21,7 @@ from crowquill.editor.reading import itemised, outlined
 from crowquill.formats import svg
 from crowquill.halftone.averages import averaged
 from crowquill.recipe import PICTURE, Recipe, Source
-from crowquill.sheet import Ink, Sheet
+from crowquill.sheet import Ink, Sheet, check_bar
 from crowquill.tone import Tone
 from crowquill.vector import contents
 
@@ -76,11 +76,16 @@ def opened(file: Path, settings: Recipe | None = None) -> tuple[Header, Drawing]
         raise ValueError(f"{file}: is a drawing as a {file.suffix[1:].upper()}; edit its SVG, or its picture")
     if file.suffix.lower() == ".svg":
         data = contents(file)
+        if settings is not None:
+            raise ValueError(f"{file}: is a drawing, which is laid out already; settings of paper and tone are for pictures")
         if svg.SPACE.encode() in data:
             return _drawing(file, source)
         return Header(source), _objects(file, data)
     wanted = settings or Recipe(STYLE)
     paths = {PICTURE: file, **{key: Path(value) for key, value in recipe.files_of(wanted).items()}}
+    for key, path in paths.items():
+        if path.parent.resolve() != file.parent.resolve():
+            raise ValueError(f"{path}: the log names its files without folders; put the {key.replace('_', ' ')} beside {file.name}")
     told = making.named(wanted, paths).data()
     return Header(source, told), _begun(wanted, paths)
 
@@ -117,7 +122,12 @@ def _begun(wanted: Recipe, paths: Mapping[str, Path]) -> Drawing:
     corner = np.round((np.array(size) - tone.size) / 2, 3)
     told = {"art_mm": list(tone.size), "art_at_mm": corner.tolist(), "paper_mm": list(size)}
     drawing = _laid(size, tone, corner, wanted.paper["margin"], told)
-    return replace(drawing, layers=(Layer(1, "", Ink(), Items.none()),), next_layer=2)
+    drawing = replace(drawing, layers=(Layer(1, "", Ink(), Items.none()),), next_layer=2)
+    if not wanted.paper["check_bar"]:
+        return drawing
+    margin = wanted.paper["margin"]
+    drawing = _read(drawing, Sheet(size, (check_bar(margin, size[1] - margin / 2),)))
+    return drawing.with_layers(replace(drawing.layers[-1], locked=True))
 
 
 def _laid(size: tuple[float, float], tone: Tone, corner: Any, margin: float | None, told: Mapping[str, Any]) -> Drawing:

@@ -99,6 +99,10 @@ class Player:
             if play:
                 play.ended = play.ended or "stop"
 
+    def drop(self) -> None:
+        """Gives up what is played."""
+        self._played = None
+
     async def begin(self, play: Play) -> None:
         """Plays an operation: at once where it is a single one, else step by step from now on."""
         if play.times != 1:
