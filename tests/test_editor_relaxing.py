@@ -101,6 +101,16 @@ def test_a_lone_mark_far_from_others_has_its_whole_cell(monkeypatch):
     assert items(part).xy[0, 0] > 18  # its cell is the left third of the canvas
 
 
+def test_a_part_of_large_objects_moves_as_it_would_with_all_others_looked_at(monkeypatch):
+    before = do(do(drawing(600), "swap", on="all", glyph="grains"), "resize", on="all", factor=6)  # 2 mm long, 2 mm apart
+    params = {"variant": "objects", "on": "brush", "path": way((18, 18)), "size": 5}
+    part = do(before, "relax", **params)
+    monkeypatch.setattr("crowquill.editor.operations.relaxing.AROUND", 1e6)
+    whole = do(before, "relax", **params)
+    assert (items(part).um != items(before).um).any()
+    assert np.abs(items(part).um - items(whole).um).max() <= 1 and np.abs(items(part).turn.astype(int) - items(whole).turn).max() <= 1
+
+
 def test_a_selection_relaxes_and_frozen_marks_hold_their_ground():
     before = do(drawing(400), "select", by="rectangle", path=way((20, 15), (45, 45)))
     before = do(before, "freeze", path=way((30, 30)), size=6)

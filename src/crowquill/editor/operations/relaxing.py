@@ -17,7 +17,7 @@ from crowquill import settling
 from crowquill.editor.brushes import Falloff, OfLayer, On, Path, Size, Strength, meant, outline
 from crowquill.editor.drawing import Drawing
 from crowquill.editor.fields import along
-from crowquill.editor.items import Items, Mask
+from crowquill.editor.items import Items, Kind, Mask
 from crowquill.editor.operations import operation
 from crowquill.editor.operations.mosaics import stepped
 from crowquill.knobs import Choice, Range
@@ -73,47 +73,50 @@ def relax(
 
 @dataclass(frozen=True, eq=False)
 class _Crowd:
-    """All that takes part, layer after layer, mm from the picture's corner.
+    """All that might take part, layer after layer, mm from the picture's corner.
 
-    items    of each layer that takes part, by its id, and `rows` of those on the canvas
-    active   (n,) which move, and with what weight (n,)
-    tone     what cells weigh; its canvas is where they lie
+    items   of each layer, by its id
+    weight  (n,) how far each goes of its way; `active` are those that move, which are on the canvas
+    tone    what cells weigh; its canvas is where they lie
     """
 
     items: dict[int, Items]
-    rows: dict[int, Index]
     xy: Array
-    active: Mask
     weight: Array
-    kinds: tuple[Any, ...]
+    active: Mask
+    kinds: tuple[Kind, ...]
     corner: Array
     tone: Tone
 
     @classmethod
     def of(cls, drawing: Drawing, weights: dict[int, tuple[Index, Array]], layer: int | None, tone: Tone) -> _Crowd:
-        """Those in the tone's canvas."""
-        corner = drawing.picture.corner
+        """The items of layers that are shown, or of one."""
         there = [found for found in drawing.layers if not (found.hidden or found.still) and layer in (None, found.id)]
         items = {found.id: found.items for found in there}
-        rows = {id: np.flatnonzero(tone.holds(part.xy - corner)) for id, part in items.items()}
-        weight = []
-        for id, part in items.items():
-            full = np.zeros(len(part))
-            some, value = weights.get(id, (np.zeros(0, np.int64), np.zeros(0)))
-            full[some] = value
-            weight.append(full[rows[id]])
-        xy = np.concatenate([part.xy[rows[id]] - corner for id, part in items.items()])
-        whole = np.concatenate(weight)
-        return cls(items, rows, xy, whole > 0, whole, drawing.kinds, corner, tone)
+        first = np.cumsum([0, *(len(part) for part in items.values())])
+        xy = np.concatenate([part.xy for part in items.values()]) - drawing.picture.corner
+        weight = np.zeros(len(xy))
+        for id, at in zip(items, first, strict=False):
+            rows, value = weights.get(id, (np.zeros(0, np.int64), np.zeros(0)))
+            weight[at + rows] = value
+        active = weight > 0
+        active[active] = tone.holds(xy[active])
+        return cls(items, xy, weight, active, drawing.kinds, drawing.picture.corner, tone)
 
     @property
     def spacing(self) -> float:
-        """Of all on the canvas, mm."""
+        """Of all if they were on the canvas, mm."""
         return float(np.sqrt(shapely.area(self.tone.canvas) / max(1, len(self.xy))))
 
-    def column(self, name: str) -> Any:
-        """A column of the items that take part."""
-        return np.concatenate([getattr(part, name)[self.rows[id]] for id, part in self.items.items()])
+    @property
+    def largest(self) -> float:
+        """How far the largest outline reaches from its centre, mm."""
+        reach = np.array([kind.reach for kind in self.kinds])
+        return max(float((reach[part.kind] * part.mm).max(initial=0.0)) for part in self.items.values())
+
+    def column(self, name: str, rows: Index) -> Any:
+        """A column of items at some rows."""
+        return np.concatenate([getattr(part, name) for part in self.items.values()])[rows]
 
     def surroundings(self) -> Iterator[tuple[Index, shapely.Geometry, float]]:
         """Ever more of what lies around those that move: the rows, a window of the canvas, and how far off the next might be, mm.
@@ -122,14 +125,14 @@ class _Crowd:
         """
         moving = self.xy[self.active]
         low, high = moving.min(axis=0), moving.max(axis=0)
-        margin, everything = AROUND * self.spacing, np.arange(len(self.xy))
+        margin = AROUND * self.spacing
         while True:
             near = np.flatnonzero(((self.xy >= low - margin) & (self.xy <= high + margin)).all(axis=1))
             if 2 * len(near) >= len(self.xy):
-                yield everything, self.tone.canvas, np.inf
+                yield np.flatnonzero(self.tone.holds(self.xy)), self.tone.canvas, np.inf
                 return
             window = shapely.intersection(self.tone.canvas, shapely.box(*(low - margin), *(high + margin)))
-            yield near, window, margin
+            yield near[self.tone.holds(self.xy[near])], window, margin
             margin *= 2
 
     def posed(self, drawing: Drawing, target: Array, angle: Array | None) -> dict[int, Items]:
@@ -137,15 +140,14 @@ class _Crowd:
         moving = np.flatnonzero(self.active)
         share = self.weight[moving]
         xy = self.xy[moving] + share[:, None] * (target - self.xy[moving]) + self.corner
-        now = self.column("angle")[moving]
+        now = self.column("angle", moving)
         turned = None if angle is None else now + share * (angle - now)
         by, first = {}, 0
         for id, part in self.items.items():
-            mine = (moving >= first) & (moving < first + len(self.rows[id]))
+            mine = (moving >= first) & (moving < first + len(part))
             if mine.any():
-                at = self.rows[id][moving[mine] - first]
-                by[id] = part.posed(at, xy=drawing.clipped(xy[mine]), angle=None if turned is None else turned[mine])
-            first += len(self.rows[id])
+                by[id] = part.posed(moving[mine] - first, xy=drawing.clipped(xy[mine]), angle=None if turned is None else turned[mine])
+            first += len(part)
         return by
 
 
@@ -166,21 +168,21 @@ def _dots(crowd: _Crowd, step: float) -> tuple[Array, None, Facts]:
 
 def _objects(crowd: _Crowd, shares: tuple[float, float], towards: Callable[[Array], Array] | None) -> tuple[Array, Array, Facts]:
     """Where objects that move go, and their angles then."""
-    used, kind = np.unique(crowd.column("kind"), return_inverse=True)
-    every = Objects.of(
-        crowd.xy, tuple(crowd.kinds[k].shape for k in used), angle=crowd.column("angle"), scale=crowd.column("mm"), shape=kind
-    )
     flat = crowd.tone.coverage.size == 1
     for rows, _, margin in crowd.surroundings():
-        mine = crowd.active[rows]
+        mine, xy = crowd.active[rows], crowd.xy[rows]
+        used, kind = np.unique(crowd.column("kind", rows), return_inverse=True)
+        shapes = tuple(crowd.kinds[k].shape for k in used)
+        objects = Objects.of(xy, shapes, angle=crowd.column("angle", rows), scale=crowd.column("mm", rows), shape=kind)
         state = next(
             settling.settle(
-                every.take(rows), crowd.tone.canvas if flat else crowd.tone, move=shares[0], turn=shares[1],
+                objects, crowd.tone.canvas if flat else crowd.tone, move=shares[0], turn=shares[1],
                 exponent=1.0, sampling=settling.APART * crowd.spacing, fixed=~mine, towards=towards,
             )
         )  # fmt: skip
         owner = state.owner[state.cells.owner]
-        if margin == np.inf or 2 * _reach(state.cells.rings, owner, every.xy[rows], mine) < margin:
+        # cells reach from outlines, and outlines of what is left out into the window
+        if margin == np.inf or 2 * (_reach(state.cells.rings, owner, xy, mine) + crowd.largest) < margin:
             break
     spread = np.trace(state.moments.covariance[mine], axis1=1, axis2=2)
     energy = float((state.moments.mass[mine] * spread).sum())
