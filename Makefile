@@ -18,6 +18,7 @@ soak: .venv/tested tools-for-tests
 
 bench: .venv/tested
 	$(BIN)/python bench/bench.py
+	$(BIN)/python bench/editor.py
 
 gallery: .venv/tested
 	for script in gallery/*.py; do $(BIN)/python $$script || exit 1; done
@@ -28,7 +29,7 @@ gallery: .venv/tested
 	touch $@
 
 .venv/installed: pyproject.toml | .venv/made
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[editor]'
 	touch $@
 
 .venv/tested: pyproject.toml | .venv/made
