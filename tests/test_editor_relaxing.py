@@ -12,7 +12,7 @@ from editing import ART, CORNER, digest, do, drawing, items, way, with_items
 
 from crowquill import relax
 from crowquill.cells import voronoi
-from crowquill.editor.drawing import Drawing
+from crowquill.editor.drawing import Drawing, Map
 from crowquill.editor.items import COLUMNS
 from crowquill.moments import of_rings
 from crowquill.objects import Objects
@@ -201,6 +201,15 @@ def test_tiles_take_the_room_of_the_canvas_and_a_mosaic_step_spreads_them():
     far = [np.sort(np.hypot(*(part.xy[:, None] - part.xy).transpose(2, 0, 1)), axis=1)[:, 1] for part in (items(begun, 2), tiles)]
     assert far[1].min() > 2 * far[0].min() and far[1].min() > 2.7  # half a pitch
     assert (tiles.scale == 5000).all()
+
+
+def test_a_step_that_does_not_push_tiles_off_edges_closes_the_gaps_along_them():
+    base = drawing()
+    base = replace(base, tone=Map.of(np.where(np.arange(60) < 30, 0.2, 0.8)[None].repeat(40, axis=0)))
+    pushed = steps(do(base, "tile", 1, side=4, gap=0.4), 12, variant="mosaic")
+    closed = steps(pushed, 3, variant="mosaic", off_edges=False)
+    near = [np.sort(np.abs(items(part, 2).xy[:, 0] - 40))[:12].mean() for part in (pushed, closed)]
+    assert near[1] < near[0]
 
 
 def test_tiles_are_finer_where_importance_was_painted():

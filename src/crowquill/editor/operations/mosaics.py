@@ -35,7 +35,7 @@ def ground(tone: Tone, tiling: Tiling) -> Ground:
     return mosaic.laid_out(tone, tiling.side, None, tiling.gap, tiling.aspect, "found")
 
 
-def stepped(drawing: Drawing, weights: Weights, wall: bool) -> Drawing:
+def stepped(drawing: Drawing, weights: Weights, wall: bool, off_edges: bool) -> Drawing:
     """A step of Hausner's: tiles move to the centroid of what is nearest to them by their own metric, turn along edges, and take the size
     that is wished for there. Those that nothing belongs to go. Only layers of tiles take part.
     """
@@ -47,7 +47,7 @@ def stepped(drawing: Drawing, weights: Weights, wall: bool) -> Drawing:
             continue
         base, items = ground(tone, layer.tiling), layer.items
         xy = items.xy - corner
-        centre, some, energy = laying.centred(base, tone, xy, laying.off_edges(base))
+        centre, some, energy = laying.centred(base, tone, xy, laying.off_edges(base) if off_edges else base.inside)
         way = weight[:, None] * (centre - xy)[rows]
         placed = xy[rows] + way
         posed = items.posed(rows, xy=drawing.clipped(placed + corner), mm=_scale(base, placed), angle=base.angles(placed))
@@ -116,8 +116,12 @@ def cut(
     *,
     layer: Annotated[int | None, Range(1, 10**6, "", "a layer of tiles; left out, the topmost")] = None,
     grow: Annotated[float, Range(0.5, 1.5, "", "how large tiles begin before they are cut, over what fits")] = 1.3,
+    white: Annotated[float, Range(0, 1, "", "no stones where coverage is below on the mean")] = 0.02,
 ) -> Drawing:
-    """Cut tiles to stones that overlap nowhere and cross no edge, in the picture's colours; hollows get stones of their own."""
+    """Cut tiles to stones that overlap nowhere and cross no edge, in the picture's colours; hollows get stones of their own.
+
+    They take the place of the tiles, each a shape of its own.
+    """
     there = [one for one in drawing.free(layer) if one.tiling]
     if not there or there[-1].tiling is None:
         raise ValueError("there are no tiles to cut; lay some")
@@ -127,7 +131,8 @@ def cut(
     laid = Tiles(items.xy - corner, items.angle, items.mm[:, None] * root)
     stones, _, slivers = mosaic.cut(base, Progress(0, laid), grow)
     rings = tiles.rings_of(stones)
-    rings = rings.take(np.flatnonzero(rings.areas > 0))
+    drawn = tiles.means(rings, tone.coverage, tone.size) >= white - mosaic.ROUNDING
+    rings = rings.take(np.flatnonzero(drawn & (rings.areas > 0)))
     fill = colours(on_screen(mosaic.painted(rings, tone, False)))
     centre = np.round(shapely.get_coordinates(shapely.centroid(rings.polygons())), 3)
     first = drawing.next_layer

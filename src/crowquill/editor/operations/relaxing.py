@@ -20,7 +20,7 @@ from crowquill.editor.fields import along
 from crowquill.editor.items import Items, Kind, Mask
 from crowquill.editor.operations import operation
 from crowquill.editor.operations.mosaics import stepped
-from crowquill.knobs import Choice, Range
+from crowquill.knobs import Choice, Flag, Range
 from crowquill.objects import Objects
 from crowquill.paths import Array, Index, Paths
 from crowquill.tone import Tone
@@ -48,6 +48,7 @@ def relax(
     exponent: Annotated[float | None, Range(0, 4, "", "cells weigh coverage to this power (weighted 2, others 0)")] = None,
     axes: Annotated[str, Choice(("region", "flow"), "what objects turn to: the axis of their region, or the picture's flow")] = "region",
     wall: Annotated[str, Choice(("canvas", "drawn"), "what nothing crosses")] = "canvas",
+    off_edges: Annotated[bool, Flag("push tiles off edges; not so in the last steps, gaps close")] = True,
 ) -> Drawing:
     """Relax: one step; what is not meant, or frozen, or in a locked layer, stands still and keeps its cell.
 
@@ -57,7 +58,7 @@ def relax(
     if not any(len(rows) for rows, _ in weights.values()):
         return drawing
     if variant == "mosaic":
-        return stepped(drawing, weights, wall == "drawn")
+        return stepped(drawing, weights, wall == "drawn", off_edges)
     power = exponent if exponent is not None else 2.0 if variant == "weighted" else 0.0
     crowd = _Crowd.of(drawing, weights, layer, drawing.weight(0.0 if variant == "uniform" else power, wall == "drawn"))
     if not crowd.active.any():
