@@ -120,9 +120,9 @@ def test_states_that_found_no_room_are_made_again():
         for history in (narrow, wide):
             history.push(entry, performed(history.drawing(), entry, Path()))
     for back in (1, 7, 3, 9):
-        assert narrow.undone(back) == wide.undone(back)
+        assert narrow.go(narrow.back(back)) == wide.go(wide.back(back)) == back
         assert digest(narrow.drawing()) == digest(wide.drawing())
-    assert narrow.redone(20) == wide.redone(20) == 20
+    assert narrow.go(narrow.ahead(20)) == wide.go(wide.ahead(99)) == 20
     assert digest(narrow.drawing()) == digest(wide.drawing())
     assert kept > 0
 
@@ -133,11 +133,26 @@ def test_groups_are_undone_together_and_what_was_undone_goes_with_the_next_entry
         entry = Entry("jitter", {"on": "all"}, k, group)
         history.push(entry, performed(history.drawing(), entry, Path()))
     assert history.names() == (["jitter"] * 3, [])
-    assert (history.undone(1), history.undone(1), history.redone(1), history.undone(2)) == (2, 1, 1, 4)
-    history.redone(1)
+    went = [history.go(way(count)) for way, count in ((history.back, 1), (history.back, 1), (history.ahead, 1), (history.back, 2))]
+    assert went == [2, 1, 1, 4]
+    history.go(history.ahead(1))
     entry = Entry("resize", {"on": "all"}, 0, 4)
     history.push(entry, performed(history.drawing(), entry, Path()))
     assert history.names() == (["resize", "jitter"], []) and len(history.entries) == 4
+
+
+@pytest.mark.usefixtures("desk")
+def test_an_undo_that_cannot_be_made_leaves_all_as_it_is(monkeypatch):
+    edited = work(session())
+    state, at = digest(edited.drawing), edited.history.at
+    edited.history._kept = {0: edited.begun, at: edited.drawing}
+    with monkeypatch.context() as patch:
+        patch.setattr("crowquill.editor.session.work", lambda *_: (_ for _ in ()).throw(ValueError("a file is gone")))
+        with pytest.raises(ValueError, match="a file is gone"):
+            edited.undo()
+    assert (digest(edited.drawing), edited.history.at, edited.journal.waiting) == (state, at, 0)
+    assert edited.undo() == 1 and edited.redo() == 1 and digest(edited.drawing) == state
+    edited.close()
 
 
 @pytest.mark.usefixtures("desk")

@@ -100,7 +100,8 @@ def test_helps_and_knobs_of_an_operation_are_whole(name):
     assert one.about.endswith((".", ")")) or name.startswith("redraw")
     assert one.group in ("brush", "select", "relax", "map", "layer", "style")
     assert all(knob.takes.help for knob in one.knobs.values())
-    assert one.knobs == {**knobs.of(getattr(one.function, "func", one.function)), **one.more()}
+    own = knobs.of(getattr(one.function, "func", one.function))
+    assert list(one.knobs) == [*one.common, *own, *one.more()]
 
 
 def test_insert_keeps_the_gap_to_all_and_tells_how_many_found_room():
@@ -328,6 +329,7 @@ def test_redraw_all_over_is_what_the_style_draws_by_itself():
         ("erase", {"path": way(MIDDLE), "size": True}, "size is True"),
         ("erase", {"on": "everything"}, "no on 'everything'"),
         ("erase", {"on": "all", "layer": 9}, "there is no layer 9"),
+        ("turn", {"on": "all", "by": "stroke"}, "takes a brush with a way"),
         ("insert", {"path": way(MIDDLE), "glyph": "../nib-03"}, "no library '..'"),
         ("insert", {"path": way(MIDDLE), "glyph": "nib-03/400"}, "it has 0 to"),
         ("insert", {"path": way(*[MIDDLE] * 200), "rate": 1000}, "over 100000"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from crowquill.editor.drawing import Drawing, Layer
+from crowquill.editor.items import Items
 from crowquill.knobs import Choice, Numbers, Range
 from crowquill.paths import Array, Index
 
@@ -111,23 +112,43 @@ def outline(path: tuple[float, ...] | None) -> shapely.Geometry:
     return parts[0] if len(parts) == 1 else shapely.union_all(parts)
 
 
+@dataclass(frozen=True, eq=False)
+class Meant:
+    """What an operation is to change: `on` says which items, of one layer or of all that may change; the brush, or None without one."""
+
+    drawing: Drawing
+    on: str
+    brush: Brush | None
+    strength: float
+    layer: int | None
+
+    def parts(self, *, frozen: bool = False) -> Iterator[tuple[Layer, Index, Array]]:
+        """Each layer that may change with the rows of its items that are meant, frozen ones on request, and their weights over 0 to 1."""
+        for found in self.drawing.free(self.layer):
+            items = found.items
+            if self.brush:
+                rows, weight = self.brush.under(items.xy)
+            else:
+                rows = np.flatnonzero(items.selected) if self.on == "selection" else np.arange(len(items))
+                weight = np.full(len(rows), self.strength)
+            counts = (weight > 0) & (frozen | ~items.frozen[rows])
+            yield found, rows[counts], weight[counts]
+
+    def changed(self, change: Callable[[Layer, Index, Array], Items]) -> Drawing:
+        """The drawing with what is meant changed, layer by layer; the same where nothing is."""
+        by = {found.id: change(found, rows, weight) for found, rows, weight in self.parts() if len(rows)}
+        return self.drawing.with_items(by) if by else self.drawing
+
+
 def meant(
     drawing: Drawing,
-    on: str,
-    path: tuple[float, ...] | None,
-    size: float,
-    strength: float,
-    falloff: str,
-    layer: int | None,
-) -> Iterator[tuple[Layer, Index, Array]]:
-    """Each layer that may change with the rows of its items that are meant and not frozen, and their weights over 0 to 1."""
-    brush = Brush.of(path, size, strength, falloff) if on == "brush" else None
-    for found in drawing.free(layer):
-        items = found.items
-        if brush:
-            rows, weight = brush.under(items.xy)
-        else:
-            rows = np.flatnonzero(items.selected) if on == "selection" else np.arange(len(items))
-            weight = np.full(len(rows), strength)
-        movable = ~items.frozen[rows] & (weight > 0)
-        yield found, rows[movable], weight[movable]
+    *,
+    on: On = "brush",
+    path: Path = None,
+    size: Size = 5.0,
+    strength: Strength = 1.0,
+    falloff: Falloff = "smooth",
+    layer: OfLayer = None,
+) -> Meant:
+    """What is under a brush, or selected, or all. Raises ValueError for a brush without a way."""
+    return Meant(drawing, on, Brush.of(path, size, strength, falloff) if on == "brush" else None, strength, layer)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 import shapely
 
 from crowquill import sheet
-from crowquill.editor.items import OWN, Items, Kind, Mask
+from crowquill.editor.items import OWN, Items, Kind
 from crowquill.marks import Marks
 from crowquill.paths import Array, Index, Paths
 from crowquill.sheet import Ink, Sheet
@@ -125,7 +125,8 @@ class Drawing:
         if id is None:
             yield from (layer for layer in self.layers if layer.is_free)
         elif not (layer := self.layer(id)).is_free:
-            raise ValueError(f"layer {layer.name!r} is {'hidden' if layer.hidden else 'locked'}; show or unlock it first")
+            why = "is not edited here" if layer.still else f"is {'hidden' if layer.hidden else 'locked'}; show or unlock it first"
+            raise ValueError(f"layer {layer.name!r} {why}")
         else:
             yield layer
 
@@ -270,8 +271,3 @@ def _fills(items: Items, ink: Ink) -> Array:
     """Shares of process inks (n, 4) of each item: of its own colour, or of its layer's."""
     rgb = np.stack([items.fill >> 16 & 255, items.fill >> 8 & 255, items.fill & 255], axis=1)
     return np.where((items.fill & OWN > 0)[:, None], sheet.in_process(rgb), ink.cmyk)
-
-
-def selected(drawing: Drawing) -> dict[int, Mask]:
-    """Which items are selected, by the ids of the layers that may change."""
-    return {layer.id: layer.items.selected for layer in drawing.free()}

@@ -41,23 +41,29 @@ class History:
         self.at += 1
         self._keep(self.at, made)
 
-    def undone(self, groups: int) -> int:
-        """Goes back so many groups, or all there are, and gives the number of entries."""
-        was = self.at
-        for _ in range(groups):
-            group = self.entries[self.at - 1].group if self.at else None
-            while self.at and self.entries[self.at - 1].group == group:
-                self.at -= 1
-        return was - self.at
+    def back(self, groups: int) -> int:
+        """How many entries are done when so many groups, or all there are, are undone."""
+        at = self.at
+        for _ in range(min(groups, at)):
+            group = self.entries[at - 1].group if at else None
+            while at and self.entries[at - 1].group == group:
+                at -= 1
+        return at
 
-    def redone(self, groups: int) -> int:
-        """Goes on so many groups, or all there are, and gives the number of entries."""
-        was = self.at
-        for _ in range(groups):
-            group = self.entries[self.at].group if self.at < len(self.entries) else None
-            while self.at < len(self.entries) and self.entries[self.at].group == group:
-                self.at += 1
-        return self.at - was
+    def ahead(self, groups: int) -> int:
+        """How many entries are done when so many groups, or all there are, are done again."""
+        at, end = self.at, len(self.entries)
+        for _ in range(min(groups, end - at)):
+            group = self.entries[at].group if at < end else None
+            while at < end and self.entries[at].group == group:
+                at += 1
+        return at
+
+    def go(self, at: int) -> int:
+        """Goes to where so many entries are done, and gives how many lie between; stays where that drawing cannot be made."""
+        self._state(at)
+        was, self.at = self.at, at
+        return abs(at - was)
 
     @property
     def last_group(self) -> int:

@@ -17,7 +17,7 @@ from crowquill.editor.history import History
 from crowquill.editor.lock import Lock
 from crowquill.editor.log import Entry, Journal
 from crowquill.editor.opening import Header
-from crowquill.editor.operations import check, work
+from crowquill.editor.operations import find, work
 from crowquill.recipe import Recipe
 from crowquill.sheet import Sheet, Step
 from crowquill.vector import contents
@@ -86,8 +86,7 @@ class Session:
         Raises ValueError for what is unknown or out of range, OSError for a file that cannot be read.
         """
         number = len(self.history.entries) if seed is None else seed
-        takes = check(op, {}, number)[0].knobs
-        entry = Entry(op, params, number, group, digests(self.folder, takes, params))
+        entry = Entry(op, params, number, group, digests(self.folder, find(op).knobs, params))
         made = self._perform(self.drawing, entry, watch)
         if same(made, self.drawing):
             self.drawing = replace(self.drawing, facts=made.facts, notes=made.notes)
@@ -102,13 +101,14 @@ class Session:
 
     def undo(self, groups: int = 1) -> int:
         """Goes back so many groups; how many entries that were."""
-        return self._went("undo", self.history.undone(groups))
+        return self._went("undo", self.history.back(groups))
 
     def redo(self, groups: int = 1) -> int:
         """Goes on so many groups; how many entries that were."""
-        return self._went("redo", self.history.redone(groups))
+        return self._went("redo", self.history.ahead(groups))
 
-    def _went(self, way: str, count: int) -> int:
+    def _went(self, way: str, at: int) -> int:
+        count = self.history.go(at)
         if count:
             self.drawing = self.history.drawing()
             self.journal.append({way: count})
@@ -178,7 +178,7 @@ def written(header: Header, drawing: Drawing) -> Sheet:
 
 def performed(drawing: Drawing, entry: Entry, folder: Path, watch: Watch | None = None) -> Drawing:
     """The drawing that an entry makes, with the files that it reads from a folder. ValueError where one of them is another now."""
-    params = located(folder, check(entry.op, {}, entry.seed)[0].knobs, entry.params, entry.files)
+    params = located(folder, find(entry.op).knobs, entry.params, entry.files)
     return styles.run(work(drawing, entry.op, params, entry.seed), watch)
 
 

@@ -9,11 +9,11 @@ from typing import Annotated
 import numpy as np
 
 from crowquill import glyphs, shapes
-from crowquill.editor.brushes import Brush, Falloff, OfLayer, On, Path, Size, Strength, meant
+from crowquill.editor.brushes import Brush, Falloff, Meant, Path, Size, Strength
 from crowquill.editor.drawing import Drawing, Layer
 from crowquill.editor.fields import flow
 from crowquill.editor.items import Items, Kind, Mask, micrometres
-from crowquill.editor.operations import operation
+from crowquill.editor.operations import on_meant, operation
 from crowquill.kernel import compiled
 from crowquill.knobs import Choice, Flag, Range, Text
 from crowquill.paths import Array, Index
@@ -177,69 +177,44 @@ def _settle(places: Array, radius: Array, gap: float, column: Index, row: Index,
         after[i], head[y, x] = head[y, x], i
 
 
-@operation("brush")
-def erase(
-    drawing: Drawing,
-    rng: np.random.Generator,
-    *,
-    on: On = "brush",
-    path: Path = None,
-    size: Size = 5.0,
-    strength: Strength = 1.0,
-    falloff: Falloff = "flat",
-    layer: OfLayer = None,
-) -> Drawing:
+@on_meant("brush", falloff="flat")
+def erase(meant: Meant, rng: np.random.Generator) -> Drawing:
     """Erase marks; below full strength some stay, by chance."""
     by, count = {}, 0
-    for found, rows, weight in meant(drawing, on, path, size, strength, falloff, layer):
+    for found, rows, weight in meant.parts():
         gone = rows[rng.random(len(rows)) < weight]
         if len(gone):
             stay = np.ones(len(found.items), bool)
             stay[gone] = False
             by[found.id] = found.items.take(stay)
             count += len(gone)
-    return replace(drawing.with_items(by), facts={"erased": count}) if by else drawing
+    return replace(meant.drawing.with_items(by), facts={"erased": count})
 
 
-@operation("brush")
+@on_meant("brush", falloff="flat")
 def swap(
-    drawing: Drawing,
+    meant: Meant,
     rng: np.random.Generator,
     *,
-    on: On = "brush",
-    path: Path = None,
-    size: Size = 5.0,
-    strength: Strength = 1.0,
-    falloff: Falloff = "flat",
-    layer: OfLayer = None,
     glyph: Annotated[str, Text("a library, library/number, or an SVG file", file=True)] = FIRST,
 ) -> Drawing:
     """Exchange the shapes of marks for others of the same size; below full strength some stay as they are."""
-    changed, at = drawing.with_kinds(library(glyph))
+    drawing, at = meant.drawing.with_kinds(library(glyph))
     by = {}
-    for found, rows, weight in meant(drawing, on, path, size, strength, falloff, layer):
+    for found, rows, weight in meant.parts():
         hit = rows[rng.random(len(rows)) < weight]
         if len(hit):
             by[found.id] = found.items.having(hit, kind=at[rng.integers(len(at), size=len(hit))])
-    return changed.with_items(by) if by else drawing
+    return drawing.with_items(by)
 
 
-@operation("brush")
+@on_meant("brush", falloff="flat")
 def freeze(
-    drawing: Drawing,
+    meant: Meant,
     rng: np.random.Generator,  # noqa: ARG001
     *,
-    on: On = "brush",
-    path: Path = None,
-    size: Size = 5.0,
-    layer: OfLayer = None,
     frozen: Annotated[bool, Flag("freeze, or else thaw")] = True,
 ) -> Drawing:
     """Freeze marks, so that nothing changes them, or thaw them."""
-    brush, by = Brush.of(path, size) if on == "brush" else None, {}
-    for found in drawing.free(layer):
-        items = found.items
-        rows = brush.under(items.xy)[0] if brush else np.flatnonzero(items.selected if on == "selection" else np.ones(len(items), bool))
-        if (items.frozen[rows] != frozen).any():
-            by[found.id] = items.having(rows, frozen=frozen)
-    return drawing.with_items(by) if by else drawing
+    by = {found.id: found.items.having(rows, frozen=frozen) for found, rows, _ in meant.parts(frozen=True) if len(rows)}
+    return meant.drawing.with_items(by)

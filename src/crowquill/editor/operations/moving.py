@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from typing import Annotated
 
 import numpy as np
 
-from crowquill.editor.brushes import FAR, Brush, Falloff, OfLayer, On, Path, Size, Strength, meant
-from crowquill.editor.drawing import Drawing, Layer, selected
+from crowquill.editor.brushes import FAR, Brush, Falloff, Meant, OfLayer, Path, Size, Strength
+from crowquill.editor.drawing import Drawing, Layer
 from crowquill.editor.fields import flow
 from crowquill.editor.items import Items
-from crowquill.editor.operations import operation
+from crowquill.editor.operations import on_meant, operation
 from crowquill.field import between
 from crowquill.knobs import Choice, Range
 from crowquill.paths import Array, Index
 from crowquill.tone import Tone
 
-Changed = Callable[[Layer, Index, Array], Items]
 Length = Annotated[float, Range(-FAR, FAR, "mm", "to the right")]
 Down = Annotated[float, Range(-FAR, FAR, "mm", "down")]
 
@@ -51,17 +49,11 @@ def push(
     return drawing.with_items(by) if by else drawing
 
 
-@operation("brush")
+@on_meant("brush")
 def attract(
-    drawing: Drawing,
+    meant: Meant,
     rng: np.random.Generator,  # noqa: ARG001
     *,
-    on: On = "brush",
-    path: Path = None,
-    size: Size = 5.0,
-    strength: Strength = 1.0,
-    falloff: Falloff = "smooth",
-    layer: OfLayer = None,
     reach: Annotated[float, Range(0.05, 50, "mm", "how far around a mark the tone is looked at")] = 1.0,
 ) -> Drawing:
     """Move marks towards the ink that the picture asks for around them.
@@ -69,14 +61,14 @@ def attract(
     Each goes to the mean of the places around it, weighed by coverage and by a Gaussian of the reach; where that finds no ink it stays.
     Source: K. Fukunaga, L. Hostetler, The Estimation of the Gradient of a Density Function, IEEE IT 21(1), 1975.
     """
-    tone, corner = drawing.toned(), drawing.picture.corner
+    drawing, tone, corner = meant.drawing, meant.drawing.toned(), meant.drawing.picture.corner
 
     def moved(found: Layer, rows: Index, weight: Array) -> Items:
         xy = found.items.xy[rows]
         way = np.stack([between(part, tone.size, xy - corner) for part in pulls(tone, reach)], axis=1)
         return found.items.posed(rows, xy=drawing.clipped(xy + weight[:, None] * way))
 
-    return _each(drawing, (on, path, size, strength, falloff, layer), moved)
+    return meant.changed(moved)
 
 
 @lru_cache(2)
@@ -97,65 +89,49 @@ def pulls(tone: Tone, reach: float) -> tuple[Array, Array]:
     return x, y
 
 
-@operation("brush")
+@on_meant("brush")
 def jitter(
-    drawing: Drawing,
+    meant: Meant,
     rng: np.random.Generator,
     *,
-    on: On = "brush",
-    path: Path = None,
-    size: Size = 5.0,
-    strength: Strength = 1.0,
-    falloff: Falloff = "smooth",
-    layer: OfLayer = None,
     amount: Annotated[float, Range(0, 50, "mm", "how far, on the mean about")] = 0.1,
 ) -> Drawing:
     """Shake marks off their places, each its own way."""
 
     def moved(found: Layer, rows: Index, weight: Array) -> Items:
         off = rng.normal(0, amount, (len(rows), 2)) * weight[:, None]
-        return found.items.posed(rows, xy=drawing.clipped(found.items.xy[rows] + off))
+        return found.items.posed(rows, xy=meant.drawing.clipped(found.items.xy[rows] + off))
 
-    return _each(drawing, (on, path, size, strength, falloff, layer), moved)
+    return meant.changed(moved)
 
 
-@operation("brush")
+@on_meant("brush")
 def resize(
-    drawing: Drawing,
+    meant: Meant,
     rng: np.random.Generator,  # noqa: ARG001
     *,
-    on: On = "brush",
-    path: Path = None,
-    size: Size = 5.0,
-    strength: Strength = 1.0,
-    falloff: Falloff = "smooth",
-    layer: OfLayer = None,
     factor: Annotated[float, Range(0.1, 10, "", "over 1 larger, below smaller")] = 1.1,
 ) -> Drawing:
     """Make marks larger or smaller."""
 
     def made(found: Layer, rows: Index, weight: Array) -> Items:
-        return found.items.posed(rows, mm=np.minimum(found.items.mm[rows] * factor**weight, max(drawing.size)))
+        return found.items.posed(rows, mm=np.minimum(found.items.mm[rows] * factor**weight, max(meant.drawing.size)))
 
-    return _each(drawing, (on, path, size, strength, falloff, layer), made)
+    return meant.changed(made)
 
 
-@operation("brush")
+@on_meant("brush")
 def turn(
-    drawing: Drawing,
+    meant: Meant,
     rng: np.random.Generator,
     *,
-    on: On = "brush",
-    path: Path = None,
-    size: Size = 5.0,
-    strength: Strength = 1.0,
-    falloff: Falloff = "smooth",
-    layer: OfLayer = None,
     by: Annotated[str, Choice(("angle", "random", "flow", "stroke"), "by an angle, by chance, or along the picture or the way")] = "angle",
     angle: Annotated[float, Range(-360, 360, "deg", "from right towards down")] = 15.0,
 ) -> Drawing:
     """Turn marks about their centres: by an angle, or their long axes along the picture's flow or the brush's way."""
-    heading = Brush.of(path, size) if by == "stroke" else None
+    drawing = meant.drawing
+    if by == "stroke" and meant.brush is None:
+        raise ValueError("by stroke takes a brush with a way; turn along the flow, or by an angle")
 
     def turned(found: Layer, rows: Index, weight: Array) -> Items:
         items = found.items
@@ -165,22 +141,16 @@ def turn(
             way = rng.uniform(-np.pi, np.pi, len(rows)) * weight
         else:
             axes = np.array([drawing.kinds[k].axis for k in items.kind[rows]])
-            wanted = heading.heading(items.xy[rows]) if heading else flow(drawing, items.xy[rows])
+            wanted = meant.brush.heading(items.xy[rows]) if by == "stroke" and meant.brush else flow(drawing, items.xy[rows])
             way = weight * _half_turn(wanted - items.angle[rows] - axes)
         return items.posed(rows, angle=items.angle[rows] + way)
 
-    return _each(drawing, (on, path, size, strength, falloff, layer), turned)
+    return meant.changed(turned)
 
 
 def _half_turn(angle: Array) -> Array:
     """The angles less whole half turns, from -90 to 90 degrees: an axis has no ends."""
     return np.asarray((angle + np.pi / 2) % np.pi - np.pi / 2)
-
-
-def _each(drawing: Drawing, where: tuple[str, tuple[float, ...] | None, float, float, str, int | None], change: Changed) -> Drawing:
-    """The drawing with what is meant changed, layer by layer."""
-    by = {found.id: change(found, rows, weight) for found, rows, weight in meant(drawing, *where) if len(rows)}
-    return drawing.with_items(by) if by else drawing
 
 
 @operation("select")
@@ -193,15 +163,14 @@ def move(
     angle: Annotated[float, Range(-360, 360, "deg", "turn it about its middle too")] = 0.0,
 ) -> Drawing:
     """Move the selection, and turn it as a whole about the middle of its box."""
-    chosen = {id: mask & ~drawing.layer(id).items.frozen for id, mask in selected(drawing).items()}
-    every = np.concatenate([drawing.layer(id).items.xy[mask] for id, mask in chosen.items()] or [np.empty((0, 2))])
+    chosen = {layer.id: (layer.items, layer.items.selected & ~layer.items.frozen) for layer in drawing.free()}
+    every = np.concatenate([np.empty((0, 2)), *(items.xy[mask] for items, mask in chosen.values())])
     if not len(every):
         return drawing
     middle = (every.min(axis=0) + every.max(axis=0)) / 2
     cos, sin = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     by = {}
-    for id, mask in chosen.items():
-        items = drawing.layer(id).items
+    for id, (items, mask) in chosen.items():
         x, y = (items.xy[mask] - middle).T
         xy = np.stack([cos * x - sin * y, sin * x + cos * y], axis=1) + middle + (dx, dy)
         by[id] = items.posed(mask, xy=drawing.clipped(xy), angle=items.angle[mask] + np.radians(angle))

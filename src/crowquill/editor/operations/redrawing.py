@@ -63,4 +63,4 @@ def _knobs(style: str) -> Callable[[], dict[str, Any]]:
 
 
 for _style in styles.names():
-    add(Operation(f"{STYLE}{_style}", "style", partial(redraw, _style), styles.summary(_style), _knobs(_style)))
+    add(Operation(f"{STYLE}{_style}", "style", partial(redraw, _style), styles.summary(_style), more=_knobs(_style)))

@@ -14,11 +14,11 @@ import shapely
 
 from crowquill import relax as dots
 from crowquill import settling
-from crowquill.editor.brushes import Falloff, OfLayer, On, Path, Size, Strength, meant, outline
+from crowquill.editor.brushes import Meant, Path, outline
 from crowquill.editor.drawing import Drawing
 from crowquill.editor.fields import along
 from crowquill.editor.items import Items, Kind, Mask
-from crowquill.editor.operations import operation
+from crowquill.editor.operations import on_meant, operation
 from crowquill.editor.operations.mosaics import stepped
 from crowquill.knobs import Choice, Flag, Range
 from crowquill.objects import Objects
@@ -32,18 +32,12 @@ AROUND = 4.0  # spacings: how far around what moves others are looked at first
 Facts = dict[str, float]
 
 
-@operation("relax")
+@on_meant("relax", on="all", size=10.0, falloff="flat")
 def relax(
-    drawing: Drawing,
+    meant: Meant,
     rng: np.random.Generator,  # noqa: ARG001
     *,
     variant: Annotated[str, Choice(VARIANTS, "dots, uniform or by tone; objects move and turn, or either; or tiles")] = "weighted",
-    on: On = "all",
-    path: Path = None,
-    size: Size = 10.0,
-    strength: Strength = 1.0,
-    falloff: Falloff = "flat",
-    layer: OfLayer = None,
     step: Annotated[float | None, Range(0.01, 1.99, "", "of the way to the centroid (dots 1.8, others 1)")] = None,
     exponent: Annotated[float | None, Range(0, 4, "", "cells weigh coverage to this power (weighted 2, others 0)")] = None,
     axes: Annotated[str, Choice(("region", "flow"), "what objects turn to: the axis of their region, or the picture's flow")] = "region",
@@ -54,13 +48,14 @@ def relax(
 
     Of a layer alone its items take part alone, else those of all that are shown. Items off the canvas, or outside the wall, take no part.
     """
-    weights = {found.id: (rows, weight) for found, rows, weight in meant(drawing, on, path, size, strength, falloff, layer)}
+    drawing = meant.drawing
+    weights = {found.id: (rows, weight) for found, rows, weight in meant.parts()}
     if not any(len(rows) for rows, _ in weights.values()):
         return drawing
     if variant == "mosaic":
         return stepped(drawing, weights, wall == "drawn", off_edges)
     power = exponent if exponent is not None else 2.0 if variant == "weighted" else 0.0
-    crowd = _Crowd.of(drawing, weights, layer, drawing.weight(0.0 if variant == "uniform" else power, wall == "drawn"))
+    crowd = _Crowd.of(drawing, weights, meant.layer, drawing.weight(0.0 if variant == "uniform" else power, wall == "drawn"))
     if not crowd.active.any():
         return drawing
     if variant in ("uniform", "weighted"):
