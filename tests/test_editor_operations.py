@@ -145,6 +145,18 @@ def test_pressure_is_strength():
     assert len(items(made)) == 2000
 
 
+def test_pressure_runs_straight_between_points_and_a_way_back_over_itself_counts_once():
+    before = do(drawing(1500), "resize", path=way((20, 30)) + way((60, 30), pressure=0.0), size=12, falloff="flat", factor=2)
+    grown = np.log2(items(before).mm / 0.3)
+    x, y = items(before).xy.T
+    under = (np.abs(y - 30) < 5.9) & (x > 20) & (x < 60)
+    # scales are whole micrometres of 300
+    assert np.abs(grown[under] - (1 - (x[under] - 20) / 40)).max() < 0.01 and (grown[np.abs(y - 30) > 6.1] == 0).all()
+    once = do(drawing(1500), "resize", path=way((20, 30), (60, 30)), size=12, falloff="flat", factor=2)
+    twice = do(drawing(1500), "resize", path=way((20, 30), (60, 30), (20, 30), (20, 30)), size=12, falloff="flat", factor=2)
+    assert (items(once).scale == items(twice).scale).all()
+
+
 def test_push_drags_by_the_way_at_full_weight():
     before = with_items(drawing(1), um=np.array([[40_000, 30_000]]))
     made = do(before, "push", path=way(MIDDLE, (41.5, 30.5)), size=5, falloff="flat")

@@ -162,6 +162,14 @@ def test_items_of_a_layer_relax_alone_and_those_of_all_layers_make_room_for_each
     assert np.abs(items(made).xy - target).max() <= UM
 
 
+def test_where_no_ink_is_asked_for_weighted_relaxation_says_why_nothing_moves():
+    white = drawing(50)
+    white = replace(white, tone=Map.of(np.zeros((40, 60))))
+    made = do(white, "relax", variant="weighted")
+    assert unmoved(white, made, slice(None)) and "take the variant uniform" in made.notes[0]
+    assert not unmoved(white, do(white, "relax", variant="uniform"), slice(None))
+
+
 def test_marks_off_the_canvas_stay():
     before = with_items(drawing(50), um=np.concatenate([[[2_000, 2_000]], items(drawing(50)).um[1:]]))
     assert unmoved(before, do(before, "relax"), [0])

@@ -11,6 +11,7 @@ import shapely
 
 from crowquill.editor.drawing import Drawing, Layer
 from crowquill.editor.items import Items
+from crowquill.kernel import compiled
 from crowquill.knobs import Choice, Numbers, Range
 from crowquill.paths import Array, Index
 
@@ -42,46 +43,35 @@ class Brush:
         return cls(points, pressure, size / 2, strength, falloff)
 
     @property
-    def lengths(self) -> Array:
-        """How far along the way each point is, mm."""
-        return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self.points, axis=0).T))])
-
-    @property
     def headings(self) -> Array:
         """The direction of the way at each point, rad: towards the next, at the last from the one before; 0 for a point alone."""
         step = np.diff(self.points, axis=0)
         ahead = np.arctan2(step[:, 1], step[:, 0]) if len(step) else np.zeros(1)
         return np.concatenate([ahead, ahead[-1:]])[: len(self.points)]
 
-    def near(self, xy: Array, margin: float = 0.0) -> Index:
-        """Which places lie in the box of the way, grown by the radius and a margin."""
-        low, high = self.points.min(axis=0) - self.radius - margin, self.points.max(axis=0) + self.radius + margin
+    def near(self, xy: Array) -> Index:
+        """Which places lie in the box of the way, grown by the radius."""
+        low, high = self.points.min(axis=0) - self.radius, self.points.max(axis=0) + self.radius
         x, y = xy[:, 0], xy[:, 1]
         return np.flatnonzero((x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1]))
 
     def under(self, xy: Array) -> tuple[Index, Array]:
         """The rows of places (n, 2) under the brush, and the weight of each, over 0 to 1."""
         rows = self.near(xy)
-        points = shapely.points(xy[rows])
-        if len(self.points) == 1 or not self.lengths[-1]:
-            far, pressure = np.hypot(*(xy[rows] - self.points[0]).T), np.full(len(rows), self.pressure.max())
-        else:
-            line = shapely.linestrings(self.points)
-            shapely.prepare(line)
-            far = shapely.distance(line, points)
-            inside = far <= self.radius
-            rows, points, far = rows[inside], points[inside], far[inside]
-            pressure = np.interp(shapely.line_locate_point(line, points), self.lengths, self.pressure)
+        far, at = self._nearest(xy[rows])
+        pressure = np.interp(at, np.arange(len(self.points)), self.pressure)
         weight = self.strength * pressure * self.profile(far)
         return rows[weight > 0], weight[weight > 0]
 
     def heading(self, xy: Array) -> Array:
         """The direction of the way where it is nearest to each place (n, 2), rad."""
-        if len(self.points) == 1 or not self.lengths[-1]:
-            return np.zeros(len(xy))
-        at = shapely.line_locate_point(shapely.linestrings(self.points), shapely.points(xy))
-        piece = np.searchsorted(self.lengths, at, side="right") - 1
-        return np.asarray(self.headings[np.clip(piece, 0, len(self.points) - 2)])
+        return np.asarray(self.headings[self._nearest(xy)[1].astype(np.int64)])
+
+    def _nearest(self, xy: Array) -> tuple[Array, Array]:
+        """How far each place is from the way, mm, and where along it: 1.5 is halfway from the second point to the third."""
+        far, at = np.full(len(xy), np.inf), np.zeros(len(xy))
+        _nearest(xy, self.points, far, at)
+        return np.sqrt(far), at
 
     def profile(self, far: Array) -> Array:
         """How much of the strength is left so far from the way, 0 beyond the radius."""
@@ -90,6 +80,23 @@ class Brush:
         if self.falloff == "flat":
             return np.where(far <= self.radius, 1.0, 0.0)
         return share if self.falloff == "linear" else share * share * (3 - 2 * share)
+
+
+@compiled
+def _nearest(xy: Array, points: Array, far: Array, at: Array) -> None:
+    """Fills in the square of each place's distance from a line through points, or from a point alone, and where along it."""
+    for i in range(len(xy)):
+        for k in range(max(1, len(points) - 1)):
+            x, y = points[k, 0], points[k, 1]
+            u, v, t = 0.0, 0.0, 0.0
+            if len(points) > 1:
+                u, v = points[k + 1, 0] - x, points[k + 1, 1] - y
+            square = u * u + v * v
+            if square > 0:
+                t = min(1.0, max(0.0, ((xy[i, 0] - x) * u + (xy[i, 1] - y) * v) / square))
+            d = (xy[i, 0] - x - t * u) ** 2 + (xy[i, 1] - y - t * v) ** 2
+            if d < far[i]:
+                far[i], at[i] = d, k + t
 
 
 def way(path: tuple[float, ...] | None) -> tuple[Array, Array]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import time
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
@@ -110,12 +111,9 @@ class Player:
             self._played = play
             self._ground.changed()
             return
-        try:
+        with contextlib.suppress(Halted):
             await self._apply(play)
-        except Halted:
-            await self._answer(play)
-        else:
-            play.answer({"facts": telling.finite(play.facts), "notes": list(self._ground.session.drawing.notes)})
+        self._answer(play)
 
     async def step(self) -> None:
         """The next step of what is played, or its end."""
@@ -148,11 +146,12 @@ class Player:
             await self._ground.work(lambda: bool(session.undo()))
             await self._ground.write()
         play.facts = {**play.facts, "steps": play.done}
-        await self._answer(play, *notes)
+        self._answer(play, *notes)
 
-    async def _answer(self, play: Play, *notes: str) -> None:
+    def _answer(self, play: Play, *notes: str) -> None:
         self._ground.changed()
-        play.answer({"facts": telling.finite(play.facts), "notes": list(notes), **({"stopped": True} if play.ended else {})})
+        said = [*self._ground.session.drawing.notes, *notes]
+        play.answer({"facts": telling.finite(play.facts), "notes": said, **({"stopped": True} if play.ended else {})})
 
     async def _apply(self, play: Play) -> bool:
         """One operation; whether it changed anything."""

@@ -64,7 +64,9 @@ def relax(
         towards = (lambda xy: along(drawing.toned()).at(xy)[0]) if axes == "flow" else None
         shares = {"objects": (step or 1.0, 1.0), "move": (step or 1.0, 0.0), "turn": (0.0, step or 1.0)}[variant]
         target, angle, facts = _objects(crowd, shares, towards)
-    return replace(drawing.with_items(crowd.posed(drawing, target, angle)), facts=facts)
+    idle = not facts["energy"] and not crowd.tone.ink
+    notes = ("the picture asks for no ink here, so that nothing moves by it; take the variant uniform",) if idle else ()
+    return replace(drawing.with_items(crowd.posed(drawing, target, angle)), facts=facts, notes=notes)
 
 
 @dataclass(frozen=True, eq=False)
