@@ -75,6 +75,19 @@ def test_a_log_is_drawn_again_to_the_bytes_that_were_exported():
 
 
 @pytest.mark.usefixtures("desk")
+def test_a_file_and_its_log_may_get_another_name(capsys):
+    work(session()).close()
+    assert main(["replay", "ramp.png.edits", "a.svg"]) == 0
+    Path("ramp.png").rename("slope.png")
+    Path("ramp.png.edits").rename("slope.png.edits")
+    assert main(["replay", "slope.png.edits", "b.svg"]) == 0
+    assert Path("a.svg").read_bytes() == Path("b.svg").read_bytes()
+    Path("slope.png.edits").rename("other.edits")
+    assert main(["replay", "other.edits", "c.svg"]) == 2
+    assert "ramp.png: there is no such file" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("desk")
 def test_fifty_undos_and_redos_give_every_state_again():
     edited = session()
     seen = [digest(edited.drawing)]

@@ -38,9 +38,9 @@ def _replayed(
     values: dict[str, Any] | None = None,
 ) -> int:
     from crowquill.editor import log
-    from crowquill.editor.session import replayed, written
+    from crowquill.editor.session import edited, replayed, written
 
-    beside = file.parent / log.read(file).header.file.name
+    beside = edited(file, log.read(file).header)
     formats.check(out, overwrite=overwrite, sources=[file, beside])
     formats.writers(Sheet((1, 1)), [(path, None) for path in out], values or {})
     for _, total, drawing, header in replayed(file):  # noqa: B007

@@ -182,10 +182,16 @@ def performed(drawing: Drawing, entry: Entry, folder: Path, watch: Watch | None 
     return styles.run(work(drawing, entry.op, params, entry.seed), watch)
 
 
+def edited(path: Path, header: Header) -> Path:
+    """The file that a log is of: beside it by its own name, or by the log's."""
+    named = path.with_suffix("") if path.suffix == opening.SUFFIX else path
+    return named if named != path and named.exists() else path.parent / header.file.name
+
+
 def replayed(path: Path) -> Iterator[tuple[int, int, Drawing, Header]]:
     """The drawing after each entry of a log, how many of how many are done, and its header; the file edited lies beside the log."""
     found = log.read(path)
-    drawing = opening.again(found.header, path.parent / found.header.file.name)
+    drawing = opening.again(found.header, edited(path, found.header))
     yield 0, len(found.done), drawing, found.header
     for k, entry in enumerate(found.done, 1):
         try:
