@@ -332,6 +332,31 @@ def test_a_full_disk_loses_nothing_and_the_log_is_whole_once_there_is_room(monke
 
 
 @pytest.mark.usefixtures("desk")
+def test_edits_that_never_found_room_are_rescued_elsewhere(monkeypatch, tmp_path_factory):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path_factory.mktemp("elsewhere")))
+    edited = work(session())
+    edited.undo(2)
+    write, handle = os.write, edited.journal._file
+
+    def full(target: int, data: Any) -> int:
+        if target == handle:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return write(target, data)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "write", full)
+        edited.apply("jitter", {"on": "all"}, None, 99)
+        edited.undo()
+        edited.close()
+    state = digest(edited.drawing)
+    assert edited.journal.waiting == 3
+    Path("ramp.png.edits").write_bytes(edited.rescued().read_bytes())
+    again = Session(Path("ramp.png"))
+    assert digest(again.drawing) == state and again.redo() == 1
+    again.close()
+
+
+@pytest.mark.usefixtures("desk")
 def test_a_disk_that_is_full_at_the_start_is_refused_and_leaves_nothing(monkeypatch):
     def full(_handle: int, _data: Any) -> int:
         raise OSError(errno.ENOSPC, "No space left on device")

@@ -65,18 +65,23 @@ def _edited(
         except BaseException:
             session.close()
             raise
-        with contextlib.suppress(KeyboardInterrupt):  # how an editor is left
-            server.serve_until_stopped()
-    _tell(server.session)
+        try:
+            with contextlib.suppress(KeyboardInterrupt):  # how an editor is left
+                server.serve_until_stopped()
+        finally:
+            _tell(server.session)
     return 0
 
 
 def _tell(session: Session) -> None:
-    """Says where the edits are, and which are lost."""
+    """Says where the edits are; those that found no room go elsewhere."""
     journal = session.journal
     if journal.waiting:
-        note(f"{journal.waiting} edits could not be written ({journal.error}) and are lost")
-    if session.history.entries:
+        try:
+            note(f"{session.path} could not be written ({journal.error}); all edits are in {session.rescued()}, put it in its place")
+        except OSError:
+            note(f"{journal.waiting} edits could not be written ({journal.error}) and are lost")
+    elif session.history.entries:
         say(f"{len(session.history.entries)} edits are in {session.path}")
 
 

@@ -185,7 +185,7 @@ class Journal:
             return  # a reader leaves out what is cut off
 
     def close(self) -> None:
-        """Closes the file; what waits is lost then."""
+        """Closes the file."""
         os.close(self._file)
 
 

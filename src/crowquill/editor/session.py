@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from importlib.metadata import version
@@ -148,8 +149,19 @@ class Session:
         """The path of a file in the folder. ValueError for anything but a bare name, and for links that lead elsewhere."""
         return within(self.folder, name)
 
+    def rescued(self) -> Path:
+        """Writes the whole log to a new file of the folder for temporary ones, for when its own place is full. Raises OSError."""
+        lines = [self.header.data(), *(entry.data() for entry in self.history.entries)]
+        if undone := len(self.history.entries) - self.history.at:
+            lines.append({"undo": undone})
+        handle, name = tempfile.mkstemp(opening.SUFFIX, f"{self.file.name}-")
+        with os.fdopen(handle, "wb") as file:
+            file.write(b"".join(map(log.line, lines)))
+        return Path(name)
+
     def close(self) -> None:
-        """Ends the session: a log without a single line goes, and so does the lock."""
+        """Ends the session, once what waits is written: a log without a single line goes, and so does the lock."""
+        self.journal.write()
         self.journal.close()
         if not self.history.entries and not self.journal.waiting:
             self.path.unlink(missing_ok=True)
