@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
+import os
 import struct
 import threading
 from collections.abc import Iterator
@@ -13,6 +15,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
+import pytest
 import shapely
 from PIL import Image
 from websockets.sync.client import ClientConnection, connect
@@ -91,6 +94,21 @@ def serving(session: Session) -> Iterator[Server]:
         server.should_exit = True
         thread.join(PATIENCE)
         assert not thread.is_alive()
+
+
+@contextmanager
+def full_disk(session: Session) -> Iterator[None]:
+    """As long as it lasts, nothing of a session's log finds room."""
+    write, handle = os.write, session.journal._file
+
+    def full(target: int, data: Any) -> int:
+        if target == handle:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return write(target, data)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "write", full)
+        yield
 
 
 COLUMN = (

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from editing import digest, drawing, items, picture, way
+from editing import digest, drawing, full_disk, items, picture, way
 
 import crowquill
 from crowquill import formats, styles
@@ -336,15 +336,7 @@ def test_edits_that_never_found_room_are_rescued_elsewhere(monkeypatch, tmp_path
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path_factory.mktemp("elsewhere")))
     edited = work(session())
     edited.undo(2)
-    write, handle = os.write, edited.journal._file
-
-    def full(target: int, data: Any) -> int:
-        if target == handle:
-            raise OSError(errno.ENOSPC, "No space left on device")
-        return write(target, data)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(os, "write", full)
+    with full_disk(edited):
         edited.apply("jitter", {"on": "all"}, None, 99)
         edited.undo()
         edited.close()

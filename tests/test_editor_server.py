@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import errno
 import http.client
 import io
 import json
-import os
 import secrets
 import signal
 import socket
@@ -20,7 +18,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from editing import PATIENCE, Page, digest, picture, serving, shown, way
+from editing import PATIENCE, Page, digest, full_disk, picture, serving, shown, way
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
@@ -336,6 +334,22 @@ def test_what_is_played_is_paused_resumed_and_ended_and_a_brush_works_meanwhile(
     page.socket.close()
 
 
+def test_a_stop_right_behind_what_it_is_meant_for_is_not_lost(own):
+    server, session = own
+    page = begun(server)
+    played, stopped = page.send("apply", op="relax", params={}, times=0), page.send("stop")
+    answers = {}
+    while len(answers) < 2:
+        message = page.hear()
+        if message["say"] in ("done", "error"):
+            answers[message["n"]] = message
+    assert answers[stopped]["say"] == "done" and answers[played]["stopped"]
+    assert page.ask("stop")["text"] == "nothing is under way"
+    page.ask("refresh")
+    assert page.state["busy"] is None and page.items == shown(session.drawing)
+    page.socket.close()
+
+
 def test_a_long_operation_tells_its_steps_and_can_be_stopped(own):
     server, session = own
     page = Page.at(server)
@@ -439,15 +453,7 @@ def test_a_full_disk_is_said_in_the_page_and_so_is_room(own, monkeypatch):
     server, session = own
     page = Page.at(server)
     monkeypatch.setattr("crowquill.editor.hub.RETRY", 0.05)
-    write, handle = os.write, session.journal._file
-
-    def full(target: int, data: Any) -> int:
-        if target == handle:
-            raise OSError(errno.ENOSPC, "No space left on device")
-        return write(target, data)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(os, "write", full)
+    with full_disk(session):
         assert page.apply("insert", **BRUSH, rate=20)["say"] == "done"
         page.ask("refresh")
         saved = [message for message in page.said if message["say"] == "saved"]

@@ -100,24 +100,32 @@ class Hub:
                 page.say({"say": "error", "n": getattr(error, "n", n), "text": str(error)})
 
     def _take(self, page: Page, request: Request) -> None:
-        """Does at once what must be, and puts all else in the queue."""
-        if request["do"] not in AT_ONCE:
-            page.open += 1
+        """Does at once what must be, unless what it is meant for still waits itself, and puts all else in the queue."""
+        page.open += 1
+        if request["do"] not in AT_ONCE or (not self.player.busy and not self._queue.empty()):
             self._queue.put_nowait((page, request))
             return
-        self.player.order(request["do"])
-        page.say({"say": "done", "n": request["n"], "facts": {}, "notes": []})
+        try:
+            self.player.order(request["do"])
+        except ValueError as error:
+            page.refuse(request["n"], error)
+            return
+        page.answer(request["n"], {"facts": {}})
         self._queue.put_nowait(None)  # whoever waits there sees that there is something to do
 
     async def _carry_out(self, page: Page, request: Request) -> None:
         """Carries out a request and says what came of it."""
         try:
-            found = await getattr(self, f"_{request['do']}")(page, request)
+            found = self._order(request) if request["do"] in AT_ONCE else await getattr(self, f"_{request['do']}")(page, request)
         except Exception as error:
             page.refuse(request["n"], error)
         else:
             if found is not None:
                 page.answer(request["n"], {"facts": found})
+
+    def _order(self, request: Request) -> telling.Json:
+        self.player.order(request["do"])
+        return {}
 
     async def _apply(self, page: Page, request: Request) -> None:
         n, times = request["n"], request["times"]

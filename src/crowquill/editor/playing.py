@@ -150,7 +150,7 @@ class Player:
 
     def _answer(self, play: Play, *notes: str) -> None:
         self._ground.changed()
-        said = [*self._ground.session.drawing.notes, *notes]
+        said = [*(self._ground.session.drawing.notes if play.done else ()), *notes]
         play.answer({"facts": telling.finite(play.facts), "notes": said, **({"stopped": True} if play.ended else {})})
 
     async def _apply(self, play: Play) -> bool:
