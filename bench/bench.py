@@ -20,7 +20,7 @@ import shapely
 from scipy.spatial import Delaunay
 
 import crowquill
-from crowquill import cells, halftone, hilbert, judge, moments, relax, route, seen
+from crowquill import cells, field, halftone, hilbert, judge, moments, relax, route, seen
 from crowquill.objects import Objects, Shape
 from crowquill.paths import Paths
 from crowquill.tone import Tone
@@ -96,6 +96,7 @@ def main(quick: bool) -> None:
     halftoned(d)
     settled(small, d)
     mosaics(d)
+    aligned(d)
     judged(d)
     routed(d)
     if not quick:
@@ -155,6 +156,15 @@ def mosaics(d: float) -> None:
     tone = Tone(np.where(np.hypot(x - 0.5, y - 0.5) < 0.3, 0.7, 0.3), (180, 180))
     for mode in ("hausner", "rows", "lloyd", "cells"):
         row(f"mosaic {mode}, 20 000 stones", seconds(partial(crowquill.draw, "mosaic", tone, mode=mode, tiles=20_000), 1), d, "bar 120 D")
+
+
+def aligned(d: float) -> None:
+    """Dots along rows, and the lines found: 20 000 of a picture of 1 Mpx with edges and darks."""
+    y, x = np.mgrid[0:1000, 0:1000] / 1000
+    tone = Tone(np.clip(shaded(1000) + 0.2 * (np.hypot(x - 0.5, y - 0.5) < 0.3), 0, 1), (180, 180))
+    for style in ("hedcut", "isophote"):
+        row(f"{style}, 20 000 dots, 1 Mpx", seconds(partial(crowquill.draw, style, tone, dots=20_000), 2), d, "bar 30 D")
+    row("field.lines, strokes of 0.25 mm, 1 Mpx", seconds(partial(field.lines, tone, 0.25), 2), d)
 
 
 def routed(d: float) -> None:

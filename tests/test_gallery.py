@@ -24,6 +24,7 @@ SCRIPTS = sorted(GALLERY.glob("*.py"))
 SMALLER = {"plate": {"width": 50.0}, "sizes": {"width": 50.0}, "duotone": {"width": 50.0}}
 SMALLER |= {"figure_3_11": {"width": 40.0}, "figure_3_12": {"tile": 5.0}, "mixed_plate": {"tile": 4.0}, "stone_plate": {"tile": 4.0}}
 SMALLER |= {"journal_plate": {"pen": 0.6}, "outline": {"pen": 0.8}}
+SMALLER |= {"hedcut": {"pen": 0.9}, "isophote": {"pen": 0.9}, "edges": {"fine": 0.6, "broad": 0.9, "iterations": 3}}
 COLOURED = {"measures", "plotter", "duotone", "figure_3_12"}
 KILOBYTES = {"plate": 900, "specimen": 2500}  # of a PNG; 400 for the others
 SAVED = """if __name__ == "__main__":
@@ -90,7 +91,7 @@ def test_a_script_that_is_run_saves_beside_itself(tmp_path: Path) -> None:
 def test_every_script_has_its_picture_and_every_picture_its_place() -> None:
     page = (GALLERY / "README.md").read_text(encoding="utf-8")
     pictures = {path.stem: path for path in GALLERY.glob("*.png")}
-    assert set(pictures) == {path.stem for path in SCRIPTS} | {"plate_detail", "specimen"}
+    assert set(pictures) == {path.stem for path in SCRIPTS} | {"plate_detail", "specimen", "portrait"}
     assert set(re.findall(r"!\[.+\]\((.+)\.png\)", page)) == set(pictures)
     assert set(re.findall(r"^## \[.+\.py\]\((.+)\.py\)$", page, re.MULTILINE)) == {path.stem for path in SCRIPTS}
 

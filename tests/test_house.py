@@ -31,6 +31,7 @@ spacing objects parting tesserae
 settling shapes
 relax route
 stippling screening laying inkdots exemplar
+aligned
 plotting finishing
 styles formats
 recipe seen calibration

@@ -164,12 +164,6 @@ def test_long_tiles_lie_with_their_long_side_along_the_edge():
     assert tiles.sides[:, 1] == pytest.approx(np.full(len(tiles), 1.8))
 
 
-def test_ways_of_even_cost_are_distances():
-    even, half = ground(), ground(wish=np.ones((40, 40)))
-    # the sweeps are of first order: some part of the grid's square away from medial axes
-    assert np.abs(laying._crossing(half) - laying._crossing(even)).max() < 2 * max(even.pixel)
-
-
 def test_hollows_are_found_where_a_stone_is_missing_and_nowhere_else():
     on = ground()
     x, y = np.meshgrid(np.arange(20) * 2 + 1.0, np.arange(20) * 2 + 1.0)

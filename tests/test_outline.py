@@ -239,3 +239,62 @@ def test_a_width_for_no_outline_is_refused():
 def test_a_crop_that_leaves_no_line_says_so():
     with pytest.raises(ValueError, match="that the crop leaves"):
         laid(SVG.format('<path d="M0 10H400"/>'), replace(GREY), (0.2, 0.2, 0.5, 0.5))
+
+
+@pytest.fixture
+def disc() -> str:
+    """disc.png, 240 by 180 pixels: a dark disc of 60 pixels' radius on light grey, a step of 0.6."""
+    far = np.hypot(*np.meshgrid(np.arange(240) - 119.5, np.arange(180) - 89.5))
+    Image.fromarray(np.round(255 * (0.8 - 0.6 * np.clip(60.5 - far, 0, 1))).astype(np.uint8)).save("disc.png")
+    return "disc.png"
+
+
+@pytest.mark.parametrize(
+    "drawn",
+    [("stipple", "--pen", "0.4mm"), ("hedcut", "--pen", "0.4mm"), ("cells", "--pen", "0.3mm"), ("screen", "--lpi", "20"), ("mosaic",)],
+    ids=lambda drawn: drawn[0],
+)
+def test_found_edges_are_drawn_over_any_style_and_its_ink_keeps_off(drawn: tuple[str, ...], disc: str):
+    sheet = run(*drawn[:1], disc, "a.svg", *drawn[1:], "--outline", "edges", "--outline-width", "0.4mm", *QUICK)
+    (line,) = [layer for layer in sheet.layers if layer.name == "outline"]
+    assert line.ink.pen == 0.4 and len(line.art) == 1
+    far = np.hypot(*(line.art.xy - sheet.size[0] / 2 - (0, (sheet.size[1] - sheet.size[0]) / 2)).T)
+    assert np.abs(far - (10 - 0.25)).max() < 0.1  # mm: inside the disc by about half a stroke; pixels are 0.17 wide
+    assert distance(sheet) >= 0.15 - 2e-3  # lengths are whole micrometres
+
+
+def test_more_detail_finds_more_edges():
+    grey = Tone(np.where(np.arange(80) < 40, 0.3, 0.38) * np.ones((60, 1)), (40, 30))
+    assert list(finish(grey, outline="edges", outline_detail=0.9).lines) == [0.25]
+    with pytest.raises(ValueError, match="no edges are found in the picture; give more outline-detail"):
+        finish(grey, outline="edges")
+
+
+def test_edges_are_found_on_the_canvas_alone():
+    left = Tone(np.where(np.arange(80) // 20 % 2, 0.7, 0.1) * np.ones((60, 1)), (40, 30), shapely.box(0, 0, 15, 30))
+    (lines,) = finish(left, outline="edges").lines.values()
+    assert 0 < lines.length < 31 and shapely.buffer(lines, 0.12).within(left.canvas)
+
+
+def test_a_drawing_with_found_edges_is_made_again_to_the_byte(disc: str):
+    run("stipple", disc, "a.svg", "--outline", "edges", "--outline-detail", "0.4", "--dots", "300", "--iterations", "2", *QUICK)
+    kept = formats.load("a.svg").recipe["finish"]
+    assert (kept["outline"], kept["outline_detail"]) == ("edges", 0.4)
+    assert main(["redo", "a.svg", "b.svg", "--quiet"]) == 0 and Path("b.svg").read_bytes() == Path("a.svg").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("more", "why"),
+    [
+        (("--outline-detail", "0.4"), "add outline edges"),
+        (("--outline", "lines.svg", "--outline-detail", "0.4"), "add outline edges"),
+        (("--outline", "edges"), "no edges are found in the picture"),
+        (("--outline", "edge"), "give an SVG file, or edges"),
+    ],
+    ids=lambda part: " ".join(part) if isinstance(part, tuple) else "",
+)
+def test_edges_that_cannot_be_drawn_are_refused_in_one_line(more: tuple[str, ...], why: str, capsys: pytest.CaptureFixture[str]):
+    assert main(["stipple", "ramp.png", "a.svg", *more, *QUICK]) == 2
+    line = capsys.readouterr().err
+    assert line.startswith("crowquill: ") and line.count("\n") == 1 and "; " in line and why in line
+    assert not Path("a.svg").exists()

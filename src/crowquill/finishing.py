@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from dataclasses import field as made
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from crowquill import measure, trimming, vector
+from crowquill import field, measure, trimming, vector
 from crowquill.knobs import Range, Text
 from crowquill.marks import Marks
 from crowquill.paths import Paths
@@ -22,7 +23,9 @@ from crowquill.sheet import SPOT, Bitmap, Ink, Layer, Sheet
 from crowquill.stippling import together
 from crowquill.tone import Tone
 
-LINE = 0.25  # mm, where an SVG says no width
+EDGES = "edges"  # in place of a file: lines are found in the picture
+DETAIL = 0.5
+LINE = 0.25  # mm, where nothing is said of a width
 STEP = 0.01  # mm, to which widths are rounded: each has a layer
 FINE = 2e-4  # of a mark, that its flattened outline may
 ARCS = 32  # pieces to a quarter of a circle around ends and corners: within 0.0003 of its radius
@@ -44,11 +47,11 @@ class Finish:
     ink    the drawing's own
     """
 
-    lines: Mapping[float, shapely.Geometry] = field(default_factory=dict)
+    lines: Mapping[float, shapely.Geometry] = made(default_factory=dict)
     bar: Bar | None = None
     gap: float = 0.0
     gain: float = 0.0
-    ink: Ink = field(default_factory=Ink)
+    ink: Ink = made(default_factory=Ink)
 
     def freed(self, tone: Tone, pen: float = 0.0) -> Tone:
         """The tone without what must stay white for lines and bar by dots or strokes of this width in mm, on their middles.
@@ -174,8 +177,9 @@ def finish(
     tone: Tone,
     frame: tuple[float, float, float, float] = FRAME,
     *,
-    outline: Annotated[str | None, Text("an SVG of lines to draw over it, laid over the picture", file=True)] = None,
+    outline: Annotated[str | None, Text("lines to draw over it: edges, found in it, or an SVG laid over the picture", file=True)] = None,
     outline_width: Annotated[float | None, Range(STEP, 50, "mm", "width of its lines (their own, or 0.25mm)")] = None,
+    outline_detail: Annotated[float | None, Range(0, 1, "", "how faint edges may be: 0 the strongest alone, 1 all (0.5)")] = None,
     outline_gap: Annotated[float, Range(0, 100, "mm", "white to either side of its lines")] = 0.15,
     scale_bar: Annotated[str | None, Text("a scale bar: a length of the specimen such as 500um, or auto for a round one")] = None,
     scale: Annotated[str | None, Text("how large it is drawn: 1 mm = 250 um, the drawing's length first, or 1:50")] = None,
@@ -187,13 +191,14 @@ def finish(
 
     frame          the part of the picture that the tone shows: left, top, width, height as shares
     outline        strokes keep their own width, in proportion; shapes that are filled only are drawn as their outline. All is
-                   black. What lies outside the frame is cut off, and so is what crosses the scale bar
+                   black. What lies outside the frame is cut off, and so is what crosses the scale bar. "edges" are the lines that
+                   `field.lines` finds on the tone's canvas for a pen of the width
     scale_bar      lies in the lower right corner, 2 mm from the edges and 0.8 mm clear of all else
     ink            takes the place of plain black; inks that a style chose by itself stay
 
-    Raises ValueError for a file without lines, and for what cannot be drawn or means nothing.
+    Raises ValueError for a file or a picture without lines, and for what cannot be drawn or means nothing.
     """
-    _check(outline, outline_width, scale_bar, scale, pixel_size)
+    _check(outline, outline_width, outline_detail, scale_bar, scale, pixel_size)
     bars = None
     if scale_bar is not None:
         across, down = tone.pixel
@@ -205,7 +210,10 @@ def finish(
         if bars.box[1] < INSET:
             high = tone.size[1] - bars.box[1] + INSET
             raise ValueError(f"a scale bar takes {high:.3g} mm of height, and the drawing has {tone.size[1]:.3g}; draw larger")
-    lines = {} if outline is None else _laid(vector.contents(Path(outline)), outline, tone.size, frame, outline_width)
+    if outline == EDGES:
+        lines = _found(tone, outline_width or LINE, DETAIL if outline_detail is None else outline_detail)
+    else:
+        lines = {} if outline is None else _laid(vector.contents(Path(outline)), outline, tone.size, frame, outline_width)
     if bars:
         box = shapely.box(*bars.box)
         cut = {width: shapely.difference(part, shapely.buffer(box, SURROUND + width / 2)) for width, part in lines.items()}
@@ -237,16 +245,28 @@ def inked(text: str) -> Ink:
     return Ink(name, (cyan, magenta, yellow, black), spot=bool(found[1]))
 
 
-def _check(outline: str | None, width: float | None, bars: str | None, scale: str | None, pixel: str | None) -> None:
+def _check(outline: str | None, width: float | None, detail: float | None, bars: str | None, scale: str | None, pixel: str | None) -> None:
     """Raises ValueError for settings that say nothing by themselves, or one thing twice."""
-    if outline is not None and Path(outline).suffix.lower() != ".svg":
-        raise ValueError(f"no outline {outline!r}; give an SVG file")
+    if outline not in (None, EDGES) and Path(outline).suffix.lower() != ".svg":
+        raise ValueError(f"no outline {outline!r}; give an SVG file, or {EDGES}")
+    if detail is not None and outline != EDGES:
+        raise ValueError(f"outline-detail is for edges that are found; add outline {EDGES}, or leave it out")
     if width is not None and outline is None:
         raise ValueError("outline-width is given for no outline; add outline, or leave it out")
     if bars is None and (scale is not None or pixel is not None):
         raise ValueError(f"{'scale' if pixel is None else 'pixel-size'} is given for no scale bar; add scale-bar auto, or leave it out")
     if bars is not None and (scale is None) == (pixel is None):
         raise ValueError(f"a scale bar takes one of scale and pixel-size, and {'both are' if scale else 'none is'} given; give one")
+
+
+def _found(tone: Tone, width: float, detail: float) -> dict[float, shapely.Geometry]:
+    """The lines of a tone by their width in mm, those on its canvas."""
+    width = max(STEP, round(round(width / STEP) * STEP, 3))
+    lines = shapely.MultiLineString([shapely.LineString(line) for line in field.lines(tone, width, detail=detail)])
+    kept = trimming.snapped(shapely.intersection(lines, shapely.buffer(tone.canvas, -width / 2)))
+    if kept.is_empty:
+        raise ValueError("no edges are found in the picture; give more outline-detail, a finer outline-width, or an SVG file of lines")
+    return {width: kept}
 
 
 def _laid(

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import shapely
 
 from crowquill import relax
+from crowquill.field import Rows
 from crowquill.kernel import compiled
 from crowquill.objects import Objects, Shape
 from crowquill.paths import Array, Index, Paths
@@ -125,18 +125,13 @@ def cells(ground: Ground, tone: Tone, iterations: int, rng: np.random.Generator)
 
 def rows(ground: Ground, tone: Tone, iterations: int, rng: np.random.Generator) -> Iterator[Progress]:  # noqa: ARG001
     """Tiles in rows along lines at even distances from the edges and the canvas's outline, each row closed by whole tiles."""
-    from contourpy import contour_generator
-
-    far = _crossing(ground)
-    x, y = ground.places
-    contours: Any = contour_generator(x=x, y=y, z=far)
+    far = ground.far if ground.wish is None else ground.far.through(ground.finer)
     xy, angle, sides = [np.empty((0, 2))], [np.empty(0)], [np.empty((0, 2))]
-    for level in np.arange(0.5 * ground.pitch[1], far[ground.inside].max(initial=0), ground.pitch[1]):
-        for line in contours.lines(level):
-            found = _in_row(ground, line, rng)
-            xy.append(found.xy)
-            angle.append(found.angle)
-            sides.append(found.sides)
+    for line in Rows(far, ground.pitch[1], 0.5 * ground.pitch[1]).lines(far.mm[ground.inside].max(initial=0)):
+        found = _in_row(ground, line, rng)
+        xy.append(found.xy)
+        angle.append(found.angle)
+        sides.append(found.sides)
     every = Tiles(np.concatenate(xy), np.concatenate(angle), np.concatenate(sides))
     inside = tone.holds(every.xy)
     kept = np.flatnonzero(inside)[spaced(every.xy[inside], APART * ground.mean / ground.wished(every.xy[inside]))]
@@ -166,17 +161,6 @@ def _in_row(ground: Ground, line: Array, rng: np.random.Generator) -> Tiles:
     sides = ground.sides(place)
     sides[:, 0] = np.maximum(end - begin - ground.gap, 0.3 * sides[:, 0])
     return Tiles(place, angle, sides)
-
-
-def _crossing(ground: Ground) -> Array:
-    """How many mm of tiles lie between each square and the nearest line: its distance, or more where finer tiles are wished for."""
-    if ground.wish is None:
-        return ground.far.mm
-    dx, dy = ground.pixel
-    near = ground.far.mm < 2 * max(dx, dy)
-    far = np.where(near, ground.far.mm * ground.finer, np.inf)
-    _sweep(far, ground.finer, near, dx, dy)
-    return far
 
 
 def _clear(ground: Ground) -> npt.NDArray[np.bool_]:
@@ -219,27 +203,3 @@ def _claim(
                 if d < far[row, column] and free[row, column]:
                     far[row, column] = d
                     owner[row, column] = i
-
-
-@compiled
-def _sweep(far: Array, slow: Array, known: npt.NDArray[np.bool_], dx: float, dy: float) -> None:
-    """Fills in the least sums of `slow` along ways from what is known, by eight sweeps to the corners."""
-    h, w = far.shape
-    for sweep in range(8):
-        down, right = sweep % 2 == 0, sweep // 2 % 2 == 0
-        for k in range(h):
-            r = k if down else h - 1 - k
-            for m in range(w):
-                c = m if right else w - 1 - m
-                if known[r, c]:
-                    continue
-                a = min(far[r, c - 1] if c > 0 else np.inf, far[r, c + 1] if c < w - 1 else np.inf)
-                b = min(far[r - 1, c] if r > 0 else np.inf, far[r + 1, c] if r < h - 1 else np.inf)
-                best = min(a + slow[r, c] * dx, b + slow[r, c] * dy)
-                p, q = 1 / dx**2, 1 / dy**2
-                inner = (p + q) * slow[r, c] ** 2 - p * q * (a - b) ** 2
-                if a < np.inf and b < np.inf and inner >= 0:
-                    both = (p * a + q * b + np.sqrt(inner)) / (p + q)
-                    if both >= max(a, b):
-                        best = min(best, both)
-                far[r, c] = min(far[r, c], best)

@@ -30,28 +30,28 @@ def named(wanted: Recipe, paths: Paths) -> Recipe:
     return replace(bare, sources={key: Source.of(path) for key, path in paths.items()})
 
 
-def laid_out(wanted: Recipe, paths: Paths, *, colour: bool = False) -> tuple[tuple[float, float], Tone]:
-    """The paper's sides in mm, and the tone in its place on it, on what lines and a scale bar leave free.
+def laid_out(wanted: Recipe, paths: Paths, *, colour: bool = False) -> tuple[tuple[float, float], Tone, Finish]:
+    """The paper's sides in mm, the tone in its place on it, on what lines and a scale bar leave free, and these.
 
     colour  keep the picture's colours, whatever the style
     """
     full = wanted.with_paths(paths)
     lit = layout.lit(paths[PICTURE], colour or styles.coloured(full.style), **full.tone)
     size, tone = layout.placed(lit, **full.paper)
-    return size, _finish(full, paths, tone).freed(tone, _widest(wanted, tone))
+    over = _finish(full, paths, tone)
+    return size, over.freed(tone, _widest(wanted, tone)), over
 
 
-def steps(wanted: Recipe, paths: Paths, size: tuple[float, float], tone: Tone) -> Work:
+def steps(wanted: Recipe, paths: Paths, size: tuple[float, float], tone: Tone, over: Finish) -> Work:
     """The work that the recipe asks for on what laid_out() gave: a generator of Steps that returns the sheet on its paper."""
     recipe.check_names(wanted)
     full = wanted.with_paths(paths)
     chosen = {**full.knobs, **_timed(wanted, tone)}
     sheet = yield from styles.steps(full.style, tone, seed=full.seed, **chosen)
-    final = _finish(full, paths, tone)
-    sheet = layout.on_paper(final.drawn(sheet), size, wanted.paper["margin"], wanted.paper["check_bar"])
+    sheet = layout.on_paper(over.drawn(sheet), size, wanted.paper["margin"], wanted.paper["check_bar"])
     made = {key: sheet.recipe[key] for key in sorted(recipe.RESULTS)}
     settings = {key: value for key, value in wanted.plot.items() if key not in ("purpose", "plot_time")}
-    if final.lines or final.bar:  # have pens of their own: dots are named for theirs
+    if over.lines or over.bar:  # have pens of their own: dots are named for theirs
         sheet = _named_for(sheet, wanted.knobs.get("pen"))
     else:
         settings["nib"] = settings["nib"] or wanted.knobs.get("pen")  # who draws for a pen plots with it
@@ -80,7 +80,7 @@ def _widest(wanted: Recipe, tone: Tone) -> float:
     if knobs["pen"] is None and knobs.get("dots") and "dots" in getattr(module, "EITHER", ()):
         return 2 * math.sqrt(tone.ink / knobs["dots"] / math.pi)  # on average
     pen = knobs["pen"] or getattr(module, "PEN", stippling.PEN)
-    by_tone = "tone" in (knobs.get("size_by"), knobs.get("width_by"))
+    by_tone = "tone" in (knobs.get("size_by"), knobs.get("width_by")) or not {"size_by", "width_by"} & set(knobs)
     return float(pen * (getattr(module, "SPAN", (1.0, 1.0))[1] if by_tone else 1))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,6 +40,9 @@ class State:
     movement: float
 
 
+Lead = Callable[[State], Array]
+
+
 def scatter(tone: Tone, n: int, rng: np.random.Generator, how: str = "even") -> Array:
     """First sites (n, 2) mm in the tone's canvas, in proportion to coverage.
 
@@ -74,7 +77,13 @@ def scatter(tone: Tone, n: int, rng: np.random.Generator, how: str = "even") -> 
 
 
 def lloyd(
-    sites: npt.ArrayLike, tone: Tone, *, step: float = 1.8, exponent: float = 2.0, banned: npt.ArrayLike | None = None
+    sites: npt.ArrayLike,
+    tone: Tone,
+    *,
+    step: float = 1.8,
+    exponent: float = 2.0,
+    banned: npt.ArrayLike | None = None,
+    lead: Lead | None = None,
 ) -> Iterator[State]:
     """States of Lloyd's relaxation without end, the sites as they were given first.
 
@@ -83,6 +92,7 @@ def lloyd(
     exponent  cells weigh coverage ** exponent. Equal dots at rest lie as the square root of the
               weight: 2 keeps tone, 1 (the published method) slowly flattens it, 0 is uniform
     banned    (h, w) pixels of the tone that no site may move onto
+    lead      where the sites of a state go next, (n, 2), in place of that way to their centroids
 
     A site that would leave the canvas or land on a banned pixel goes to the centroid instead, or
     else stays. A cell without ink keeps its site. Coincident sites are parted.
@@ -98,16 +108,18 @@ def lloyd(
     refused = None if banned is None else np.asarray(banned, bool)
     if refused is not None and refused.shape != tone.coverage.shape:
         raise ValueError(f"banned has shape {refused.shape}; it takes the tone's {tone.coverage.shape}")
-    return _states(frozen(sites, np.float64, (None, 2), "sites"), tone, step, exponent, refused)
+    return _states(frozen(sites, np.float64, (None, 2), "sites"), tone, step, exponent, refused, lead)
 
 
-def _states(sites: Array, tone: Tone, step: float, exponent: float, banned: npt.NDArray[np.bool_] | None) -> Iterator[State]:
+def _states(
+    sites: Array, tone: Tone, step: float, exponent: float, banned: npt.NDArray[np.bool_] | None, lead: Lead | None
+) -> Iterator[State]:
     weight = tone.mapped(lambda coverage: coverage**exponent)
     done = 0
     while True:
         state = measured(sites, tone, weight, done=done, banned=banned)
         yield state
-        sites, done = moved(state, tone, step=step, banned=banned), done + 1
+        sites, done = moved(state, tone, step=step, banned=banned, lead=lead), done + 1
 
 
 def measured(
@@ -136,9 +148,9 @@ def measured(
     return State(done, sites, parts, sums, float((sums.mass * spread).sum()), float(gone.mean()) if len(gone) else 0.0)
 
 
-def moved(state: State, tone: Tone, *, step: float = 1.8, banned: npt.NDArray[np.bool_] | None = None) -> Array:
+def moved(state: State, tone: Tone, *, step: float = 1.8, banned: npt.NDArray[np.bool_] | None = None, lead: Lead | None = None) -> Array:
     """Where the sites of a state are a step later."""
-    target = state.sites + step * (state.moments.centroid - state.sites)
+    target = state.sites + step * (state.moments.centroid - state.sites) if lead is None else lead(state)
     for other in (state.moments.centroid, state.sites):
         target = np.where(_may_hold(target, tone, banned)[:, None], target, other)
     return target

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from crowquill.field import Distances, Field, between, distances
+from crowquill.field import Distances, Field, between, distances, weighed
 from crowquill.paths import Array, Index, Paths
 from crowquill.tiles import Stones, rings_of, squares
 from crowquill.tone import Tone
@@ -101,20 +101,13 @@ class Ground:
     @cached_property
     def edges(self) -> Distances:
         """How far each square is from the lines."""
-        return self._distances(self.lines)
+        return distances(self.lines, self.size, self.grid)
 
     @cached_property
     def far(self) -> Distances:
         """How far each square is from the lines and the canvas's outline."""
         rim = Paths.of_polygons(shapely.simplify(self.canvas, self.mean / 50))[0]
-        return Distances(np.minimum(self.edges.mm, self._distances(rim).mm), self.size)
-
-    def _distances(self, lines: Paths) -> Distances:
-        """Distances on the grid, straight between those of every second square, as each takes a search."""
-        h, w = self.grid
-        x, y = np.meshgrid(*self.places)
-        rough = distances(lines, self.size, (max(2, h // 2), max(2, w // 2)))
-        return Distances(rough.at(np.stack([x.ravel(), y.ravel()], axis=1)).reshape(h, w), self.size)
+        return weighed([(self.edges, 1.0), (distances(rim, self.size, self.grid), 1.0)])
 
     @cached_property
     def field(self) -> Field:

@@ -55,8 +55,8 @@ def draw(
     said  notes for the end: a refusal is one line
     """
     with silence():
-        page, tone = making.laid_out(wanted, paths)
-    work = making.steps(named(wanted, paths), paths, page, tone)
+        page, tone, over = making.laid_out(wanted, paths)
+    work = making.steps(named(wanted, paths), paths, page, tone, over)
     files = wanted.with_paths(paths).files
     planned = next(work).facts
     run.foresee(page, int(planned.get("dots", 0)), files)

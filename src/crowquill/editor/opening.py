@@ -118,7 +118,7 @@ def _is_drawn(file: Path) -> bool:
 
 def _begun(wanted: Recipe, paths: Mapping[str, Path]) -> Drawing:
     """An empty layer over a picture."""
-    size, tone = making.laid_out(wanted, paths, colour=True)
+    size, tone, _ = making.laid_out(wanted, paths, colour=True)
     corner = np.round((np.array(size) - tone.size) / 2, 3)
     told = {"art_mm": list(tone.size), "art_at_mm": corner.tolist(), "paper_mm": list(size)}
     drawing = _laid(size, tone, corner, wanted.paper["margin"], told)
@@ -179,7 +179,7 @@ def _over(file: Path, picture: Mapping[str, Any]) -> Drawing:
         kept = formats.recipe_of(file)[1]
         with tempfile.TemporaryDirectory() as folder:
             wanted, paths = making.located(recipe.parsed(picture, str(file)), kept, file, {}, Path(folder))
-            _, tone = making.laid_out(wanted, paths, colour=True)
+            _, tone, _ = making.laid_out(wanted, paths, colour=True)
         corner = sheet.recipe.get("art_at_mm", (np.array(sheet.size) - tone.size) / 2)
         drawing = _laid(sheet.size, tone, np.round(corner, 3), wanted.paper["margin"], {})
     else:

@@ -120,8 +120,8 @@ def _work(part: Part, placed: Placed) -> tuple[Tone, Work]:
     art = placed.art
     paper = {"paper": f"{art.width:.3f}x{art.height:.3f}mm", "margin": 0.0, "fit": placed.panel.fit}
     wanted = replace(part.recipe, paper=paper, files={})
-    size, tone = making.laid_out(wanted, part.paths)
-    return tone, making.steps(wanted, part.paths, size, _freed(tone, placed))
+    size, tone, over = making.laid_out(wanted, part.paths)
+    return tone, making.steps(wanted, part.paths, size, _freed(tone, placed), over)
 
 
 def _drawn(part: Part, placed: Placed) -> Generator[Step, None, tuple[list[Layer], dict[str, Any], list[str]]]:
