@@ -319,12 +319,12 @@ def test_a_selection_is_moved_and_turned_by_its_handles(editor: Editor) -> None:
     editor.page.mouse.down()
     centre = (dragged.min(axis=0) + dragged.max(axis=0)) / 2
     cx, cy = editor.screen(*centre)
-    editor.page.mouse.move(cx + (cy - y + 26), cy, steps=4)
+    editor.page.mouse.move(cx + (cy - y + 26), cy + (x - cx), steps=4)  # a quarter of a turn about the middle
     editor.page.mouse.up()
     editor.rest()
     turned = places(editor.columns())[chosen] - centre
     quarter = np.stack([-(dragged - centre)[:, 1], (dragged - centre)[:, 0]], axis=1)
-    assert np.abs(turned - quarter).max() < 0.5  # mm: the knob is taken hold of to a degree or so
+    assert np.abs(turned - quarter).max() < 0.05  # mm: whole pixels far from the middle
     editor.press("Escape")
     assert editor.state()["selected"] == 0
 
@@ -421,3 +421,15 @@ def test_the_tab_key_reaches_every_control_and_shows_where_it_is(editor: Editor)
     missed = "[...document.querySelectorAll('#app button, #app input, #app select')].filter((e) => e.checkVisibility() && !e.disabled"
     missed += " && e.tabIndex >= 0 && !e.dataset.reached && e.type !== 'radio').map((e) => e.outerHTML)"
     assert count > 12 and editor.page.evaluate(missed) == []
+
+
+def test_shortcuts_of_one_character_can_be_turned_off(editor: Editor) -> None:
+    editor.take("b")
+    editor.tab("View")
+    box = editor.page.get_by_label("Shortcuts of one character")
+    for wanted, tool in ((False, "insert"), (True, "erase")):
+        box.set_checked(wanted)
+        editor.page.locator("#surface").focus()
+        editor.page.keyboard.press("e")
+        assert editor.page.evaluate("crowquill.desk.tool.value.name") == tool
+        editor.tab("View")

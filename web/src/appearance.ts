@@ -14,6 +14,7 @@ export class Appearance {
   readonly opacity = remembered<number>("opacity", 0.25);
   readonly rulers = remembered<boolean>("rulers", true);
   readonly guides = remembered<boolean>("guides", true);
+  readonly keys = remembered<boolean>("keys", true); // shortcuts of one character, which can be in the way of those who speak to the page
   readonly changed = new Signal();
 
   constructor() {

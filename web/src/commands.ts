@@ -14,7 +14,7 @@ export function commands(desk: Desk, pointers: Pointers): void {
   const all = (): Shortcut[] => [...choosing(desk), ...editing(desk), ...brush(desk), ...looking(desk), ...page(desk, pointers, sheet)];
   const sheet = (): void => helpDialog(desk, all());
   desk.tools.on((tools) => {
-    if (tools.length) listen(all());
+    if (tools.length) listen(all(), desk.appearance.keys);
   });
   const clicks: [string, () => void][] = [
     ["undo", () => void desk.ask({ do: "undo" })],

@@ -3,6 +3,7 @@
 import type { Desk } from "./desk";
 import { dialog } from "./dialogs";
 import { el } from "./dom";
+import type { Watched } from "./watch";
 
 export interface Shortcut {
   keys: string[]; // as pressed() says them
@@ -21,17 +22,20 @@ export function pressed(event: KeyboardEvent): string {
 
 const TYPED = "input:not([type=checkbox]):not([type=radio]):not([type=range]), select, textarea";
 let known = new Map<string, Shortcut>();
+let single: Watched<boolean>;
 
-// Listens for these shortcuts and no others, but not where something is being typed or a dialog is open.
-export function listen(shortcuts: Shortcut[]): void {
+// Listens for these shortcuts and no others, but not where something is being typed or a dialog is open, and for those that are one
+// character alone only while that is wished for.
+export function listen(shortcuts: Shortcut[], characters: Watched<boolean>): void {
   if (!known.size) window.addEventListener("keydown", hear);
+  single = characters;
   known = new Map(shortcuts.flatMap((one) => one.keys.map((keys) => [keys, one] as const)));
 }
 
 function hear(event: KeyboardEvent): void {
   const keys = pressed(event);
   const found = known.get(keys);
-  if (!found || event.defaultPrevented || document.querySelector("dialog[open]")) return;
+  if (!found || (keys.length === 1 && !single.value) || event.defaultPrevented || document.querySelector("dialog[open]")) return;
   if (event.target instanceof Element && event.target.matches(TYPED)) return;
   event.preventDefault();
   found.run(keys);

@@ -28,6 +28,7 @@ export function viewPanel(desk: Desk, forget: (what: LineKind) => void): HTMLEle
     check("Rulers", appearance.rulers),
     el("h2", {}, "Page"),
     choice<Theme>("Colours", appearance.theme, [["system", "as the system"], ["light", "light"], ["dark", "dark"]]),
+    check("Shortcuts of one character", appearance.keys),
   );
 }
 
