@@ -9,6 +9,8 @@ export interface Control {
 }
 
 const STEPS = 1000; // of a slider
+const WIDE = 15; // a range over its usual number from which a slider is finer about 0
+const LONG = 100; // mm at a slider's end; longer ones are typed in
 
 // A labelled control for a knob; `change` is called with every value that is right. Nothing typed in means the knob's own default.
 export function control(knob: Knob, value: KnobValue, change: (value: KnobValue) => void, libraries: Libraries = {}): Control {
@@ -76,21 +78,21 @@ function range(knob: Knob, value: KnobValue, change: (value: KnobValue) => void)
   });
 }
 
-// How a slider runs: evenly, or where the range is wide and begins at or above 0, finer where the numbers are small.
+// How a slider runs: evenly, or where the range is wide beside what is usual in it, finer about 0.
 function sliding(low: number, high: number, first: number | null, unit?: string): { to: (value: number) => number; from: (part: number) => number } {
-  const wide = low >= 0 && high / Math.max(low, first ?? high / 10, 1e-6) > 15;
-  if (!wide) return { to: (value) => (value - low) / (high - low), from: (part) => low + part * (high - low) };
-  const top = unit === "mm" ? Math.min(high, 100) : high; // longer ones are typed in
-  const bend = Math.max(Math.min((first ?? top / 20) / 3, top / 20), 1e-3);
-  const whole = Math.log1p((top - low) / bend);
+  const usual = Math.max(Math.abs(first ?? 0), low, 1e-6);
+  if (high <= 1 || (high - low) / usual < WIDE) return { to: (value) => (value - low) / (high - low), from: (part) => low + part * (high - low) };
+  const top = unit === "mm" ? Math.min(high, LONG) : high;
+  const bend = Math.max(1e-3, Math.min(first ? Math.abs(first) : top, top / 5) / 3);
+  const [start, end] = [Math.asinh(low / bend), Math.asinh(top / bend)];
   return {
-    to: (value) => Math.min(1, Math.log1p(Math.max(0, value - low) / bend) / whole),
-    from: (part) => low + Math.expm1(part * whole) * bend,
+    to: (value) => Math.min(1, (Math.asinh(value / bend) - start) / (end - start)),
+    from: (part) => bend * Math.sinh(start + part * (end - start)),
   };
 }
 
 function neat(value: number, whole: boolean): number {
-  return whole ? Math.round(value) : Number(value.toPrecision(2));
+  return whole ? Math.round(value) : Math.abs(value) < 1e-3 ? 0 : Number(value.toPrecision(2));
 }
 
 function words(knob: Knob, value: KnobValue, change: (value: KnobValue) => void): Control {

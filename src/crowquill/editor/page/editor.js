@@ -36,76 +36,77 @@ M5.500 6a2.500 2.500 0 1 1 3.600 2.200C8.200 8.700 8 9.200 8 10M8 12.600v.3",the
 3 3l1 1M12 12l1 1M13 3l-1 1M4 12l-1 1`,cancel:"M4 4l8 8M12 4l-8 8",fit:"M2.500 6V2.500H6M10 2.500h3.500V6M13.500 10v3.500H10M6 13.500H2.500V\
 10"};function F(r,...e){let t=E("dialog"),n=()=>o.close(),i=m("header",{},m("h2",{id:t},r),U(D.cancel,"Close",n)),o=m("dialog",{"aria-labelledby":t},
 i,m("div",{class:"dialog-body"},...e)),s=document.activeElement;return o.addEventListener("close",()=>{o.remove(),s instanceof HTMLElement&&
-s.focus()}),o.addEventListener("click",a=>a.target===o&&n()),document.body.append(o),o.showModal(),o}var ne=1e3;function re(r,e,t,n={}){return r.name==="glyph"?qt(r,e,t,n):r.kind==="flag"?Ft(r,e,t):r.kind==="choice"?Gt(r,e,t):r.kind==="range"?
-jt(r,e,t):Jt(r,e,t)}var Fe={pdfx:"PDF/X",pdfa:"PDF/A",icc:"ICC profile",dpi:"DPI"};function $(r){if(Fe[r])return Fe[r];let e=r.replace(/_/g,
-" ");return e.charAt(0).toUpperCase()+e.slice(1)}function ie(r,e,...t){let n=m("label",{for:e,title:r.help},$(r.name));return m("div",{class:"\
-knob"},n,m("div",{class:"knob-inputs"},...t))}function Ft(r,e,t){let n=E("knob"),i=m("input",{type:"checkbox",id:n,change:()=>t(i.checked)}),
-o=m("div",{class:"knob knob-flag"},i,m("label",{for:n,title:r.help},$(r.name)));return J(o,e,s=>i.checked=s===!0)}function Gt(r,e,t){let n=E(
-"knob"),i=r.names??[],o=r.default===null?[m("option",{value:""},"automatic")]:[],s=m("select",{id:n,title:r.help,change:()=>t(s.value||null)},
-...o,...i.map(a=>m("option",{value:a},a)));return J(ie(r,n,s),e,a=>s.value=a===null?"":String(a))}function jt(r,e,t){let n=E("knob"),[i,o]=[
-r.low??0,r.high??1],s=Zt(i,o,typeof r.default=="number"?r.default:null,r.unit),a=r.whole?1:"any",l=m("input",{type:"number",id:n,min:i,max:o,
-step:a,title:r.help,placeholder:r.default===null?"auto":null}),c=m("input",{type:"range",min:0,max:ne,tabindex:-1,"aria-hidden":"true",title:r.
-help}),u=d=>{l.setCustomValidity(""),t(d)};l.addEventListener("input",()=>{if(l.value===""&&!l.validity.badInput)return t(r.default);l.validity.
-valid&&(c.value=String(s.to(l.valueAsNumber)*ne),u(l.valueAsNumber))}),c.addEventListener("input",()=>{let d=Yt(s.from(Number(c.value)/ne),r.
-whole??!1);l.value=String(d),u(d)});let h=r.unit?m("span",{class:"unit"},r.unit==="deg"?"°":r.unit):null;return J(ie(r,n,c,l,h),e,d=>{document.
-activeElement!==l&&(l.value=typeof d=="number"?String(d):""),c.value=String(s.to(typeof d=="number"?d:i)*ne)})}function Zt(r,e,t,n){if(!(r>=
-0&&e/Math.max(r,t??e/10,1e-6)>15))return{to:l=>(l-r)/(e-r),from:l=>r+l*(e-r)};let o=n==="mm"?Math.min(e,100):e,s=Math.max(Math.min((t??o/20)/
-3,o/20),.001),a=Math.log1p((o-r)/s);return{to:l=>Math.min(1,Math.log1p(Math.max(0,l-r)/s)/a),from:l=>r+Math.expm1(l*a)*s}}function Yt(r,e){return e?
-Math.round(r):Number(r.toPrecision(2))}function Jt(r,e,t){let n=E("knob"),i=r.kind==="numbers",o=m("input",{type:"text",id:n,title:r.help,spellcheck:"\
-false",placeholder:r.default===null?"auto":null});return o.addEventListener("change",()=>{let s=o.value.trim(),a=s.split(/[\s,;]+/).map(Number),
-l=i&&s!==""&&(a.some(Number.isNaN)||r.count!=null&&a.length!==r.count);o.setCustomValidity(l?`${r.count??"Some"} numbers, parted by commas`:
-""),l?o.reportValidity():t(s===""?r.default:i?a:s)}),J(ie(r,n,o),e,s=>o.value=s===null?"":Array.isArray(s)?s.join(", "):String(s))}function qt(r,e,t,n){
-let i=E("knob"),o=r.default===null?[m("option",{value:""},"as the layer has")]:[],s=m("select",{id:i,title:r.help},...o,...Object.keys(n).map(
-h=>m("option",{value:h},h))),a=m("div",{class:"shapes",role:"group","aria-label":"Shapes of the library"}),l=h=>{let[d="",p]=typeof h=="stri\
-ng"?h.split("/"):[];s.value=d,a.replaceChildren(...(n[d]??[]).map((f,g)=>c(d,g,f,String(g)===p))),a.hidden=!d},c=(h,d,p,f)=>{let g=()=>{let v=f?
-h:`${h}/${d}`;t(v),l(v),a.children[d]?.focus()};return m("button",{type:"button","aria-pressed":String(f),"aria-label":`${h} ${d}`,click:g},
-Xt(p))};s.addEventListener("change",()=>{t(s.value||null),l(s.value||null)});let u=m("div",{},ie(r,i,s),a);return J(u,e,l)}function Xt(r){let e=document.
-createElementNS("http://www.w3.org/2000/svg","svg"),t=document.createElementNS("http://www.w3.org/2000/svg","path");return e.setAttribute("v\
-iewBox",[-1,-1,2,2].map(n=>1e3*n*r.reach).join(" ")),e.classList.toggle("lines",!r.closed),e.setAttribute("aria-hidden","true"),t.setAttribute(
-"d",r.d),e.append(t),e}function J(r,e,t){return t(e),{element:r,show:t}}var _t=/\.(pdf|svg)$/,Qt=["svg","pdf"];function Te(r){let e=r.drawing.hello.value;if(!e)return;let t=m("input",{type:"text",id:E("export"),value:`${e.
+s.focus()}),o.addEventListener("click",a=>a.target===o&&n()),document.body.append(o),o.showModal(),o}var ne=1e3,Ft=15,Gt=100;function re(r,e,t,n={}){return r.name==="glyph"?_t(r,e,t,n):r.kind==="flag"?jt(r,e,t):r.kind==="choice"?Zt(r,e,t):r.
+kind==="range"?Yt(r,e,t):Xt(r,e,t)}var Fe={pdfx:"PDF/X",pdfa:"PDF/A",icc:"ICC profile",dpi:"DPI"};function $(r){if(Fe[r])return Fe[r];let e=r.
+replace(/_/g," ");return e.charAt(0).toUpperCase()+e.slice(1)}function ie(r,e,...t){let n=m("label",{for:e,title:r.help},$(r.name));return m(
+"div",{class:"knob"},n,m("div",{class:"knob-inputs"},...t))}function jt(r,e,t){let n=E("knob"),i=m("input",{type:"checkbox",id:n,change:()=>t(
+i.checked)}),o=m("div",{class:"knob knob-flag"},i,m("label",{for:n,title:r.help},$(r.name)));return J(o,e,s=>i.checked=s===!0)}function Zt(r,e,t){
+let n=E("knob"),i=r.names??[],o=r.default===null?[m("option",{value:""},"automatic")]:[],s=m("select",{id:n,title:r.help,change:()=>t(s.value||
+null)},...o,...i.map(a=>m("option",{value:a},a)));return J(ie(r,n,s),e,a=>s.value=a===null?"":String(a))}function Yt(r,e,t){let n=E("knob"),
+[i,o]=[r.low??0,r.high??1],s=Jt(i,o,typeof r.default=="number"?r.default:null,r.unit),a=r.whole?1:"any",l=m("input",{type:"number",id:n,min:i,
+max:o,step:a,title:r.help,placeholder:r.default===null?"auto":null}),c=m("input",{type:"range",min:0,max:ne,tabindex:-1,"aria-hidden":"true",
+title:r.help}),u=d=>{l.setCustomValidity(""),t(d)};l.addEventListener("input",()=>{if(l.value===""&&!l.validity.badInput)return t(r.default);
+l.validity.valid&&(c.value=String(s.to(l.valueAsNumber)*ne),u(l.valueAsNumber))}),c.addEventListener("input",()=>{let d=qt(s.from(Number(c.value)/
+ne),r.whole??!1);l.value=String(d),u(d)});let h=r.unit?m("span",{class:"unit"},r.unit==="deg"?"°":r.unit):null;return J(ie(r,n,c,l,h),e,d=>{
+document.activeElement!==l&&(l.value=typeof d=="number"?String(d):""),c.value=String(s.to(typeof d=="number"?d:i)*ne)})}function Jt(r,e,t,n){
+let i=Math.max(Math.abs(t??0),r,1e-6);if(e<=1||(e-r)/i<Ft)return{to:c=>(c-r)/(e-r),from:c=>r+c*(e-r)};let o=n==="mm"?Math.min(e,Gt):e,s=Math.
+max(.001,Math.min(t?Math.abs(t):o,o/5)/3),[a,l]=[Math.asinh(r/s),Math.asinh(o/s)];return{to:c=>Math.min(1,(Math.asinh(c/s)-a)/(l-a)),from:c=>s*
+Math.sinh(a+c*(l-a))}}function qt(r,e){return e?Math.round(r):Math.abs(r)<.001?0:Number(r.toPrecision(2))}function Xt(r,e,t){let n=E("knob"),
+i=r.kind==="numbers",o=m("input",{type:"text",id:n,title:r.help,spellcheck:"false",placeholder:r.default===null?"auto":null});return o.addEventListener(
+"change",()=>{let s=o.value.trim(),a=s.split(/[\s,;]+/).map(Number),l=i&&s!==""&&(a.some(Number.isNaN)||r.count!=null&&a.length!==r.count);o.
+setCustomValidity(l?`${r.count??"Some"} numbers, parted by commas`:""),l?o.reportValidity():t(s===""?r.default:i?a:s)}),J(ie(r,n,o),e,s=>o.value=
+s===null?"":Array.isArray(s)?s.join(", "):String(s))}function _t(r,e,t,n){let i=E("knob"),o=r.default===null?[m("option",{value:""},"as the \
+layer has")]:[],s=m("select",{id:i,title:r.help},...o,...Object.keys(n).map(h=>m("option",{value:h},h))),a=m("div",{class:"shapes",role:"gro\
+up","aria-label":"Shapes of the library"}),l=h=>{let[d="",p]=typeof h=="string"?h.split("/"):[];s.value=d,a.replaceChildren(...(n[d]??[]).map(
+(f,g)=>c(d,g,f,String(g)===p))),a.hidden=!d},c=(h,d,p,f)=>{let g=()=>{let v=f?h:`${h}/${d}`;t(v),l(v),a.children[d]?.focus()};return m("butt\
+on",{type:"button","aria-pressed":String(f),"aria-label":`${h} ${d}`,click:g},Qt(p))};s.addEventListener("change",()=>{t(s.value||null),l(s.
+value||null)});let u=m("div",{},ie(r,i,s),a);return J(u,e,l)}function Qt(r){let e=document.createElementNS("http://www.w3.org/2000/svg","svg"),
+t=document.createElementNS("http://www.w3.org/2000/svg","path");return e.setAttribute("viewBox",[-1,-1,2,2].map(n=>1e3*n*r.reach).join(" ")),
+e.classList.toggle("lines",!r.closed),e.setAttribute("aria-hidden","true"),t.setAttribute("d",r.d),e.append(t),e}function J(r,e,t){return t(
+e),{element:r,show:t}}var en=/\.(pdf|svg)$/,tn=["svg","pdf"];function Te(r){let e=r.drawing.hello.value;if(!e)return;let t=m("input",{type:"text",id:E("export"),value:`${e.
 name.replace(/\.[^.]*$/,"")}-edited`,required:!0,spellcheck:"false"}),n=new Map,i=m("div",{class:"knobs"}),o=Object.keys(e.formats).map(h=>{
-let d=m("input",{type:"checkbox",id:E("format"),value:h,checked:Qt.includes(h),change:()=>a()});return{format:h,box:d,element:m("span",{class:"\
+let d=m("input",{type:"checkbox",id:E("format"),value:h,checked:tn.includes(h),change:()=>a()});return{format:h,box:d,element:m("span",{class:"\
 chip"},d,m("label",{for:d.id},h))}}),s=()=>o.filter(h=>h.box.checked).map(h=>h.format),a=()=>i.replaceChildren(...Ge(e,s()).map(h=>re(h,n.get(
 h.name)??h.default,d=>n.set(h.name,d)).element)),l=m("div",{"aria-live":"polite"}),c=M("Export",()=>{u()},{class:"wide primary"}),u=async()=>{
 if(!t.reportValidity()||!s().length)return;let h=new Set(Ge(e,s()).map(f=>f.name)),d=Object.fromEntries([...n].filter(([f,g])=>h.has(f)&&g!==
 null));H(c,{disabled:!0});let p=await je(r,l,{do:"export",files:s().map(f=>`${t.value}.${f}`),options:d});H(c,{disabled:!1}),p&&l.replaceChildren(
-...(p.files??[]).map(f=>en(r,f)))};a(),F("Export",m("div",{class:"knob"},m("label",{for:t.id},"Name"),m("div",{class:"knob-inputs"},t)),m("d\
+...(p.files??[]).map(f=>nn(r,f)))};a(),F("Export",m("div",{class:"knob"},m("label",{for:t.id},"Name"),m("div",{class:"knob-inputs"},t)),m("d\
 iv",{class:"row chips",role:"group","aria-label":"Formats"},...o.map(h=>h.element)),m("details",{},m("summary",{},"Options of these formats"),
 i),c,l)}function Ge(r,e){let t=new Map;for(let n of e)for(let i of r.formats[n]??[])t.has(i.name)||t.set(i.name,i);return[...t.values()]}async function je(r,e,t){
-try{return(await r.link.ask(t)).facts}catch(n){return e.replaceChildren(m("p",{class:"error"},n.message)),null}}function en(r,e){let t=m("di\
-v",{}),n=async()=>{let o=await je(r,t,{do:"check",file:e});o&&t.replaceChildren(tn(o.findings??[]))},i=_t.test(e)?M("Preflight",()=>{n()}):null;
-return m("div",{class:"written"},m("p",{},m("strong",{},e)," is written"),i,t)}function tn(r){return r.length?m("ul",{class:"findings"},...r.
+try{return(await r.link.ask(t)).facts}catch(n){return e.replaceChildren(m("p",{class:"error"},n.message)),null}}function nn(r,e){let t=m("di\
+v",{}),n=async()=>{let o=await je(r,t,{do:"check",file:e});o&&t.replaceChildren(rn(o.findings??[]))},i=en.test(e)?M("Preflight",()=>{n()}):null;
+return m("div",{class:"written"},m("p",{},m("strong",{},e)," is written"),i,t)}function rn(r){return r.length?m("ul",{class:"findings"},...r.
 map(e=>m("li",{class:e.severity},m("strong",{},e.severity),` ${e.message} `,m("small",{},e.where)))):m("p",{},"Nothing stands between it and\
- the press.")}function nn(r){let e=r.key.length===1?r.key.toLowerCase():r.key,t=/^[a-z]$/.test(e)||r.key.length>1;return[...[(r.ctrlKey||r.metaKey)&&"Ctrl",
-r.altKey&&"Alt",r.shiftKey&&t&&"Shift"].filter(Boolean),e].join("+")}var rn="input:not([type=checkbox]):not([type=radio]):not([type=range]),\
- select, textarea",Se=new Map,Ye;function Je(r,e){Se.size||window.addEventListener("keydown",on),Ye=e,Se=new Map(r.flatMap(t=>t.keys.map(n=>[
-n,t])))}function on(r){let e=nn(r),t=Se.get(e);!t||e.length===1&&!Ye.value||r.defaultPrevented||document.querySelector("dialog[open]")||r.target instanceof
-Element&&r.target.matches(rn)||(r.preventDefault(),t.run(e))}var Ze=[["Wheel","Pan; with Ctrl, or two fingers, zoom"],["Space and drag","Pan\
+ the press.")}function on(r){let e=r.key.length===1?r.key.toLowerCase():r.key,t=/^[a-z]$/.test(e)||r.key.length>1;return[...[(r.ctrlKey||r.metaKey)&&"Ctrl",
+r.altKey&&"Alt",r.shiftKey&&t&&"Shift"].filter(Boolean),e].join("+")}var sn="input:not([type=checkbox]):not([type=radio]):not([type=range]),\
+ select, textarea",Se=new Map,Ye;function Je(r,e){Se.size||window.addEventListener("keydown",an),Ye=e,Se=new Map(r.flatMap(t=>t.keys.map(n=>[
+n,t])))}function an(r){let e=on(r),t=Se.get(e);!t||e.length===1&&!Ye.value||r.defaultPrevented||document.querySelector("dialog[open]")||r.target instanceof
+Element&&r.target.matches(sn)||(r.preventDefault(),t.run(e))}var Ze=[["Wheel","Pan; with Ctrl, or two fingers, zoom"],["Space and drag","Pan\
 ; so does the middle button"],["Alt and a brush","The other way round: smaller, turned back, thawed"],["Shift, Alt and a selection","Add to \
 it, take from it"],["Arrows on the canvas","Move the pointer by 1 mm, with Shift by 10"],["Enter on the canvas","Press the tool where the po\
-inter is"]];function qe(r,e){let t=e.map(s=>[s.shown??s.keys.slice(0,2).map(sn).join(" or "),s.about]),n=Math.ceil(t.length/2+Ze.length/2),i=m(
+inter is"]];function qe(r,e){let t=e.map(s=>[s.shown??s.keys.slice(0,2).map(ln).join(" or "),s.about]),n=Math.ceil(t.length/2+Ze.length/2),i=m(
 "p",{class:"help"},`crowquill ${r.drawing.hello.value?.version??""}`),o=m("div",{class:"stack"},Le("More keys",t.slice(n)),Le("Pointer and p\
 en",Ze),i);F("Keys",m("div",{class:"help-sheet"},Le("Keys",t.slice(0,n)),o)).classList.add("wide-dialog")}function Le(r,e){let t=e.map(([n,i])=>m(
-"tr",{},m("th",{scope:"row"},m("kbd",{},n)),m("td",{},i)));return m("table",{},m("caption",{},r),m("tbody",{},...t))}function sn(r){return r.
+"tr",{},m("th",{scope:"row"},m("kbd",{},n)),m("td",{},i)));return m("table",{},m("caption",{},r),m("tbody",{},...t))}function ln(r){return r.
 split(/\+(?=.)/).map(e=>e.length===1?e.toUpperCase():e).join(" ")}async function Ae(r){let e=await r.ask({do:"files"});if(!e)return;let t=e.facts.files??[],n=async s=>{o.close(),await r.ask({do:"open",file:s})&&
 r.messages.note(`${s} is open; every tab shows it.`)},i=m("ul",{class:"files"},...t.map(s=>m("li",{},M(s,()=>{n(s)})))),o=F("Open",t.length?
-i:m("p",{},"There is nothing else in the folder that can be opened."))}var an=96/25.4;function Xe(r,e){let t=()=>[...ln(r),...cn(r),...un(r),...hn(r),...mn(r,e,n)],n=()=>qe(r,t());r.tools.on(o=>{o.length&&Je(t(),
+i:m("p",{},"There is nothing else in the folder that can be opened."))}var cn=96/25.4;function Xe(r,e){let t=()=>[...un(r),...hn(r),...mn(r),...dn(r),...pn(r,e,n)],n=()=>qe(r,t());r.tools.on(o=>{o.length&&Je(t(),
 r.appearance.keys)});let i=[["undo",()=>{r.ask({do:"undo"})}],["redo",()=>{r.ask({do:"redo"})}],["open",()=>{Ae(r)}],["export",()=>Te(r)],["\
-theme",()=>r.appearance.flip()],["help",n],["fit",()=>r.viewport.all()],["zoom",()=>r.viewport.set(an*r.viewport.ratio)]];for(let[o,s]of i)w(
+theme",()=>r.appearance.flip()],["help",n],["fit",()=>r.viewport.all()],["zoom",()=>r.viewport.set(cn*r.viewport.ratio)]];for(let[o,s]of i)w(
 o).addEventListener("click",s),w(o).classList.contains("icon-button")&&w(o).replaceChildren(V(D[o]));r.drawing.state.on(o=>{for(let[s,a,l,c]of[
 ["undo",o?.undo,"Undo","Ctrl Z"],["redo",o?.redo,"Do again","Ctrl Shift Z"]])w(s).disabled=!a?.length,w(s).title=`${l}${a?.[0]?`: ${a[0]}`:""}\
- (${c})`})}function ln(r){return r.tools.value.filter(t=>t.key).map(t=>({keys:[t.key],about:t.title,run:()=>r.tool.value=t}))}function cn(r){
+ (${c})`})}function un(r){return r.tools.value.filter(t=>t.key).map(t=>({keys:[t.key],about:t.title,run:()=>r.tool.value=t}))}function hn(r){
 let e=()=>!!r.drawing.state.value?.selected,t=i=>()=>{r.apply("select",{by:i})},n=i=>()=>{let o=r.operation("relax");o&&r.apply("relax",{...r.
 settings.params(o),...r.ofLayer(o)},{times:i})};return[{keys:["Ctrl+z"],about:"Undo",run:()=>{r.ask({do:"undo"})}},{keys:["Ctrl+Shift+z","Ct\
 rl+y"],about:"Do again",run:()=>{r.ask({do:"redo"})}},{keys:["Ctrl+a"],about:"Select all",run:t("all")},{keys:["Ctrl+i"],about:"Invert the s\
 election",run:t("invert")},{keys:["Ctrl+d"],about:"Duplicate the selection",run:()=>{e()&&r.apply("duplicate",{})}},{keys:["Delete","Backspa\
 ce"],about:"Erase the selection",run:()=>{e()&&r.apply("erase",{on:"selection"})}},{keys:["x"],about:"One step of relaxation",run:n(1)},{keys:[
-"Shift+x"],about:"Ten steps of relaxation",run:n(10)}]}function un(r){let{settings:e}=r,t=i=>()=>{let o=r.tool.value?.operation;o&&e.scale(o,
+"Shift+x"],about:"Ten steps of relaxation",run:n(10)}]}function mn(r){let{settings:e}=r,t=i=>()=>{let o=r.tool.value?.operation;o&&e.scale(o,
 "size",i)},n=i=>{let o=r.tool.value?.operation;o&&e.set(o,"strength",i==="0"?1:Number(i)/10)};return[{keys:["["],about:"Smaller brush",run:t(
-1/1.2)},{keys:["]"],about:"Larger brush",run:t(1.2)},{keys:[..."1234567890"],shown:"1 … 9, 0",about:"Strength 10 … 90, 100 %",run:n}]}function hn(r){
+1/1.2)},{keys:["]"],about:"Larger brush",run:t(1.2)},{keys:[..."1234567890"],shown:"1 … 9, 0",about:"Strength 10 … 90, 100 %",run:n}]}function dn(r){
 let{viewport:e}=r;return[{keys:["+","="],about:"Closer",run:()=>e.zoom(1.25)},{keys:["-"],about:"Farther",run:()=>e.zoom(1/1.25)},{keys:["Ho\
 me"],about:"The whole paper",run:()=>e.all()},{keys:["z"],about:"What is selected, as large as it goes",run:()=>{let n=r.drawing.selection();
-n&&e.fit(n)}}]}function mn(r,e,t){return[{keys:["Escape"],about:"Give up the stroke, stop the work, or select nothing",run:()=>{let{busy:i,selected:o}=r.
+n&&e.fit(n)}}]}function pn(r,e,t){return[{keys:["Escape"],about:"Give up the stroke, stop the work, or select nothing",run:()=>{let{busy:i,selected:o}=r.
 drawing.state.value??{};e.busy?e.cancel():i?r.ask({do:"stop"}):r.region.value?r.region.value=null:o&&r.apply("select",{by:"none"})}},{keys:[
 "Ctrl+o"],about:"Open",run:()=>{Ae(r)}},{keys:["Ctrl+s"],about:"Export",run:()=>Te(r)},{keys:["Shift+d"],about:"Light or dark",run:()=>r.appearance.
 flip()},{keys:["?"],about:"This sheet",run:t}]}var oe=class{constructor(e,t,n,i,o,s){this.link=e;this.drawing=t;this.settings=n;this.viewport=i;this.messages=o;this.appearance=s}link;drawing;settings;viewport;messages;appearance;layer=new L(
@@ -120,28 +121,28 @@ s[d]),a&&(this.scale[p]=a[d]),l&&(this.turn[p]=l[d]),c&&(this.kind[p]=c[d]),u&&(
 if(this.end=Math.max(this.end,e),e<=this.layer.length)return;let t=2**Math.ceil(Math.log2(e));this.layer=O(this.layer,new Uint32Array(t)),this.
 x=O(this.x,new Int32Array(t)),this.y=O(this.y,new Int32Array(t)),this.scale=O(this.scale,new Uint32Array(t)),this.turn=O(this.turn,new Uint16Array(
 t)),this.kind=O(this.kind,new Uint32Array(t)),this.fill=O(this.fill,new Uint32Array(t)),this.flags=O(this.flags,new Uint8Array(t))}};function O(r,e){
-return e.set(r),e}var dn=/([a-zA-Z])|(-?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)/g,pn={M:2,L:2,H:1,V:1,C:6,S:4,Q:4,T:2,Z:0},fn=1e3,gn=.04,bn=.005,j=class{constructor(e,t,n){
-this.closed=t;this.reach=n;this.paths=vn(e,t)}closed;reach;paths;flats=new Map;rings(e){let t=Math.max(0,Math.ceil(Math.log2(Math.max(e,1)))),
-n=this.flats.get(t);return n||this.flats.set(t,n=this.paths.map(i=>yn(i,Math.min(bn,gn/2**t)))),n}};function vn(r,e){let t=[...r.matchAll(dn)].
-map(c=>c[1]??Number(c[2])/fn),n=[],i=null,[o,s]=[0,0],a=null,l="";for(let c=0;c<t.length;){typeof t[c]=="string"&&(l=t[c++]);let u=l.toUpperCase(),
-h=pn[u];if(h===void 0)throw new Error(`path data with ${l||"no command"}`);let d=l!==u,p=t.slice(c,c+h);if(c+=h,u==="Z"){i&&([i.closed,[o,s]]=
+return e.set(r),e}var fn=/([a-zA-Z])|(-?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)/g,gn={M:2,L:2,H:1,V:1,C:6,S:4,Q:4,T:2,Z:0},bn=1e3,vn=.04,yn=.005,j=class{constructor(e,t,n){
+this.closed=t;this.reach=n;this.paths=wn(e,t)}closed;reach;paths;flats=new Map;rings(e){let t=Math.max(0,Math.ceil(Math.log2(Math.max(e,1)))),
+n=this.flats.get(t);return n||this.flats.set(t,n=this.paths.map(i=>Mn(i,Math.min(yn,vn/2**t)))),n}};function wn(r,e){let t=[...r.matchAll(fn)].
+map(c=>c[1]??Number(c[2])/bn),n=[],i=null,[o,s]=[0,0],a=null,l="";for(let c=0;c<t.length;){typeof t[c]=="string"&&(l=t[c++]);let u=l.toUpperCase(),
+h=gn[u];if(h===void 0)throw new Error(`path data with ${l||"no command"}`);let d=l!==u,p=t.slice(c,c+h);if(c+=h,u==="Z"){i&&([i.closed,[o,s]]=
 [!0,i.from]),l=d?"m":"M",a=null;continue}if(d&&u!=="H"&&u!=="V")for(let y=0;y<h;y++)p[y]+=y%2?s:o;if(u==="M"||!i){i={from:[p[0],p[1]],pieces:[],
 closed:e},n.push(i),[o,s]=i.from,l=d?"l":"L";continue}let f=(y,k)=>{i.pieces.push({to:[o=y,s=k]}),a=null},g=(y,k,T,x,K,S)=>{i.pieces.push({cubic:[
 y,k,T,x,K,S]}),[o,s]=[K,S]},v=a?[2*o-a[0],2*s-a[1]]:[o,s];if(u==="L")f(p[0],p[1]);else if(u==="H")f(d?o+p[0]:p[0],s);else if(u==="V")f(o,d?s+
 p[0]:p[0]);else if(u==="C")g(p[0],p[1],p[2],p[3],p[4],p[5]),a=[p[2],p[3]];else if(u==="S")g(v[0],v[1],p[0],p[1],p[2],p[3]),a=[p[0],p[1]];else{
 let[y,k]=u==="Q"?[p[0],p[1]]:v,[T,x]=u==="Q"?[p[2],p[3]]:[p[0],p[1]];g(o+2/3*(y-o),s+2/3*(k-s),T+2/3*(y-T),x+2/3*(k-x),T,x),a=[y,k]}}return n}
-function yn(r,e){let t=[...r.from];for(let n of r.pieces){if("to"in n){t.push(...n.to);continue}let[i,o]=[t[t.length-2],t[t.length-1]],[s,a,
+function Mn(r,e){let t=[...r.from];for(let n of r.pieces){if("to"in n){t.push(...n.to);continue}let[i,o]=[t[t.length-2],t[t.length-1]],[s,a,
 l,c,u,h]=n.cubic,d=Math.max(Math.hypot(i-2*s+l,o-2*a+c),Math.hypot(s-2*l+u,a-2*c+h)),p=Math.min(64,Math.max(1,Math.ceil(Math.sqrt(.75*d/e))));
 for(let f=1;f<=p;f++){let g=f/p,v=1-g,[y,k,T,x]=[v*v*v,3*v*v*g,3*v*g*g,g*g*g];t.push(y*i+k*s+T*l+x*u,y*o+k*a+T*c+x*h)}}return{xy:Float64Array.
-from(t),closed:r.closed}}var wn=["tone","importance"],Mn=["cells","axes","flow"],Pe=class{constructor(e){this.buffer=e}buffer;at=0;words(e){return this.taken(new Uint32Array(
+from(t),closed:r.closed}}var kn=["tone","importance"],xn=["cells","axes","flow"],Pe=class{constructor(e){this.buffer=e}buffer;at=0;words(e){return this.taken(new Uint32Array(
 this.buffer,this.at,e))}whole(e){return this.taken(new Int32Array(this.buffer,this.at,e))}shorts(e){return this.taken(new Uint16Array(this.buffer,
 this.at,e))}bytes(e){return this.taken(new Uint8Array(this.buffer,this.at,e))}floats(e){return this.taken(new Float32Array(this.buffer,this.
-at,e))}taken(e){return this.at+=Math.ceil(e.byteLength/4)*4,e}};function kn(r){let[e,t,n]=r.words(4),i={layer:e,gone:n===0,ids:r.words(t)};return n&
+at,e))}taken(e){return this.at+=Math.ceil(e.byteLength/4)*4,e}};function En(r){let[e,t,n]=r.words(4),i={layer:e,gone:n===0,ids:r.words(t)};return n&
 1&&(i.x=r.whole(t),i.y=r.whole(t)),n&2&&(i.scale=r.words(t)),n&4&&(i.turn=r.shorts(t)),n&8&&(i.kind=r.words(t)),n&16&&(i.fill=r.words(t)),n&
-32&&(i.flags=r.bytes(t)),i}function xn(r){let[e,t,n,i,o,s,a]=r.words(8),l=r.bytes(i*o);return{map:wn[e],top:t,left:n,height:i,width:o,rows:s,
-columns:a,values:l}}function En(r){let[e,t,n,i]=r.words(4);return{what:Mn[e],closed:i!==0,start:r.words(t+1),xy:r.floats(2*n)}}function se(r){
-let e=new Pe(r),[t,n,i]=e.words(4),o=s=>Array.from({length:i},()=>s(e));if(t===1)return{revision:n,type:"items",chunks:o(kn)};if(t===2)return{
-revision:n,type:"raster",patches:o(xn)};if(t===3)return{revision:n,type:"lines",lines:En(e)};throw new Error(`the server sent a frame of unk\
+32&&(i.flags=r.bytes(t)),i}function Tn(r){let[e,t,n,i,o,s,a]=r.words(8),l=r.bytes(i*o);return{map:kn[e],top:t,left:n,height:i,width:o,rows:s,
+columns:a,values:l}}function Ln(r){let[e,t,n,i]=r.words(4);return{what:xn[e],closed:i!==0,start:r.words(t+1),xy:r.floats(2*n)}}function se(r){
+let e=new Pe(r),[t,n,i]=e.words(4),o=s=>Array.from({length:i},()=>s(e));if(t===1)return{revision:n,type:"items",chunks:o(En)};if(t===2)return{
+revision:n,type:"raster",patches:o(Tn)};if(t===3)return{revision:n,type:"lines",lines:Ln(e)};throw new Error(`the server sent a frame of unk\
 nown type ${t}`)}var ae=class{constructor(e,t){this.painter=t;e.said.on(n=>{n.say==="hello"&&n.protocol!==1?e.lost.say(`This page speaks protocol ${1}, the s\
 erver ${n.protocol}: load the page again.`):n.say==="hello"&&this.begin(n),n.say==="state"&&this.take(n),n.say==="saved"&&(this.saved.value=
 n),n.say==="tabs"&&(this.tabs.value=n.count),n.say==="step"&&this.steps.say(n)}),e.frames.on(n=>{try{this.receive(n)}catch(i){e.lost.say(`A \
@@ -164,16 +165,16 @@ ndo what came after":"The latest"}))),l=m("li",{},M(n.undo.length<50?"As it was 
 e layer worked on"}),n=m("input",{type:"radio",name:"layer",id:E("layer"),checked:!0,change:()=>r.layer.value=null}),i=U(D.add,"Add a layer",
 ()=>{r.apply("layer add",{})}),o="",s=()=>{let l=r.drawing.state.value;if(!l)return;r.layer.value!==null&&!l.layers.some(d=>d.id===r.layer.value)&&
 (r.layer.value=null);let c=JSON.stringify([l.layers,r.layer.value,l.selected>0]);if(c===o)return;o=c;let u=document.activeElement instanceof
-HTMLElement?document.activeElement.dataset.focus:void 0;n.checked=r.layer.value===null,e.replaceChildren(...l.layers.map((d,p)=>Tn(r,d,p,l.layers.
-length)).reverse());let h=l.layers.find(d=>d.id===r.layer.value);t.contains(document.activeElement)||t.replaceChildren(...h?Ln(r,h,l.selected):
+HTMLElement?document.activeElement.dataset.focus:void 0;n.checked=r.layer.value===null,e.replaceChildren(...l.layers.map((d,p)=>Sn(r,d,p,l.layers.
+length)).reverse());let h=l.layers.find(d=>d.id===r.layer.value);t.contains(document.activeElement)||t.replaceChildren(...h?An(r,h,l.selected):
 []),u&&e.querySelector(`[data-focus="${u}"]`)?.focus()};r.drawing.state.on(s),r.layer.on(s);let a=m("div",{class:"layer layer-all"},n,m("lab\
 el",{for:n.id},"Work on all layers"),i);return m("div",{class:"panel"},m("h2",{},"Layers"),a,e,t)}function q(r,e,t){r.apply("layer edit",{layer:e.
-id,...t})}function Tn(r,e,t,n){let i=E("layer"),o=u=>({"data-focus":`${e.id} ${u}`}),s=m("input",{type:"radio",name:"layer",id:i,checked:r.layer.
+id,...t})}function Sn(r,e,t,n){let i=E("layer"),o=u=>({"data-focus":`${e.id} ${u}`}),s=m("input",{type:"radio",name:"layer",id:i,checked:r.layer.
 value===e.id,change:()=>r.layer.value=e.id,...o("radio")}),a=m("span",{class:"swatch"});a.style.background=`rgb(${e.rgb.join(" ")})`;let l=(u,h,d)=>{
 let p=`${u==="hidden"?"Hide":"Lock"} ${e.name}`,f=()=>q(r,e,{[u]:!e[u]});return U(D[e[u]?h:d],p,f,{"aria-pressed":String(e[u]),...o(u)})},c=(u,h,d)=>U(
 D[h],`${u} ${e.name}`,()=>{r.apply("layer order",{layer:e.id,to:d})},{disabled:d<0||d>=n,...o(h)});return m("li",{class:e.hidden?"layer laye\
 r-hidden":"layer"},s,a,m("label",{for:i},e.name||`Layer ${e.id}`,m("small",{},e.items.toLocaleString("en"))),c("Raise","up",t+1),c("Lower","\
-down",t-1),l("locked","locked","open"),l("hidden","hidden","shown"))}function Ln(r,e,t){let n=tt("Name",m("input",{type:"text",value:e.name,
+down",t-1),l("locked","locked","open"),l("hidden","hidden","shown"))}function An(r,e,t){let n=tt("Name",m("input",{type:"text",value:e.name,
 change:c=>q(r,e,{name:Ie(c)})})),i=m("input",{type:"number",min:0,max:50,step:"any",value:e.pen??0,change:c=>q(r,e,{pen:Number(Ie(c))})}),o=e.
 cmyk.map((c,u)=>m("input",{type:"number",min:0,max:100,step:1,value:Math.round(c*100),"aria-label":`${["Cyan","Magenta","Yellow","Black"][u]}\
 , per cent`,change:h=>q(r,e,{cmyk:e.cmyk.map((d,p)=>p===u?Number(Ie(h))/100:d)})})),s=et.map(([c,u])=>M(c,()=>q(r,e,{cmyk:u}))),a=M("Bring t\
@@ -181,27 +182,27 @@ he selection here",()=>{r.apply("layer take",{layer:e.id})},{class:"wide",disabl
 yer",layer:e.id})},{class:"wide"});return[m("h3",{},e.name||`Layer ${e.id}`),n,tt("Pen",i,m("span",{class:"unit"},"mm; 0 fills")),m("div",{class:"\
 knob"},m("span",{},"C M Y K"),m("div",{class:"knob-inputs cmyk"},...o)),m("div",{class:"row chips"},...s),a,l,M("Remove the layer",()=>{r.apply(
 "layer remove",{layer:e.id})},{class:"wide"})]}function tt(r,e,...t){return e.id=E("field"),m("div",{class:"knob"},m("label",{for:e.id},r),m(
-"div",{class:"knob-inputs"},e,...t))}function Ie(r){return r.target.value}var rt=[200,500,1e3,2e3,4e3],Sn=1001,An=1009,le=class{constructor(e){this.wire=e}wire;line=new L("connecting");said=new P;frames=new P;lost=new P;socket=null;number=0;tries=0;waiting=new Map;connect(){
+"div",{class:"knob-inputs"},e,...t))}function Ie(r){return r.target.value}var rt=[200,500,1e3,2e3,4e3],Pn=1001,Dn=1009,le=class{constructor(e){this.wire=e}wire;line=new L("connecting");said=new P;frames=new P;lost=new P;socket=null;number=0;tries=0;waiting=new Map;connect(){
 let e=this.wire.open();this.socket=e,e.addEventListener("open",()=>{this.tries=0,this.line.value="open"}),e.addEventListener("message",t=>{let{
 data:n}=t;typeof n=="string"?this.hear(JSON.parse(n)):this.frames.say(n)}),e.addEventListener("close",t=>this.closed(t.code))}ask(e){if(this.
 socket?.readyState!==WebSocket.OPEN)return Promise.reject(new Error("There is no connection to the server."));let t=++this.number;return this.
 socket.send(JSON.stringify({...e,n:t})),new Promise((n,i)=>this.waiting.set(t,{done:n,failed:i}))}hear(e){(e.say==="done"||e.say==="error")&&
 this.answered(e),e.say==="closed"&&(this.line.value="ended"),this.said.say(e)}answered(e){if(e.say==="error"&&e.n===null)return this.lost.say(
 e.text);let t=this.waiting.get(e.n??0);this.waiting.delete(e.n??0),e.say==="done"?t?.done(e):t?.failed(new Error(e.text))}closed(e){this.socket=
-null;let t=e===An?"That was more than the server takes at once.":"The connection broke before the server answered.";for(let{failed:n}of this.
-waiting.values())n(new Error(t));this.waiting.clear(),e===Sn?this.line.value="ended":this.line.value!=="ended"&&(this.line.value="broken"),setTimeout(
+null;let t=e===Dn?"That was more than the server takes at once.":"The connection broke before the server answered.";for(let{failed:n}of this.
+waiting.values())n(new Error(t));this.waiting.clear(),e===Pn?this.line.value="ended":this.line.value!=="ended"&&(this.line.value="broken"),setTimeout(
 ()=>this.connect(),rt[Math.min(this.tries++,rt.length-1)])}};var it=6e3,ce=class{list=w("messages");note(e){this.show(e,"note",it)}error(e){this.show(e,"error",2*it)}show(e,t,n){for(let o of[...this.list.
 children])(o.textContent===e||this.list.children.length>3)&&o.remove();let i=m("p",{class:t},e);i.addEventListener("click",()=>i.remove()),this.
 list.append(i),setTimeout(()=>i.remove(),n)}};function at(r,e){let[t,n]=r.viewport.px(e.left,e.top),[i,o]=r.viewport.px(e.right,e.bottom);return{left:t-4,top:n-4,right:i+4,bottom:o+4,knob:[
 (t+i)/2,n-4-22]}}function lt(r,e,t){let{left:n,top:i,right:o,bottom:s,knob:a}=at(r,t);e.strokeRect(n,i,o-n,s-i),e.beginPath(),e.moveTo(a[0],
 i),e.lineTo(a[0],a[1]+5),e.stroke(),e.beginPath(),e.arc(...a,5,0,2*Math.PI),e.save(),e.fillStyle="#fff",e.fill(),e.restore(),e.stroke()}function ct(r,e){
 let t=r.drawing.selection();if(!t||!r.operation("move"))return null;let{left:n,top:i,right:o,bottom:s,knob:a}=at(r,t),[l,c]=r.viewport.px(e.
-x,e.y);return Math.hypot(l-a[0],c-a[1])<=10?ot(r,e,t,!0):l>=n&&l<=o&&c>=i&&c<=s?ot(r,e,t,!1):null}function ot(r,e,t,n){let i=Pn(r),[o,s,a]=[
+x,e.y);return Math.hypot(l-a[0],c-a[1])<=10?ot(r,e,t,!0):l>=n&&l<=o&&c>=i&&c<=s?ot(r,e,t,!1):null}function ot(r,e,t,n){let i=In(r),[o,s,a]=[
 0,0,0];return{move:l=>{let c=l[l.length-1];n?a=st(c.x-i[0],c.y-i[1])-st(e.x-i[0],e.y-i[1]):[o,s]=[c.x-e.x,c.y-e.y]},end:()=>{let l=u=>Math.round(
 u*1e3)/1e3,c=n?{angle:l((a+540)%360-180)}:{dx:l(o),dy:l(s)};Object.values(c).some(u=>u!==0)?r.apply("move",c):n||r.apply("select",{by:"pick",
-path:[e.x,e.y,1]})},cancel:()=>{},draw:l=>Dn(r,l,t,i,o,s,a*Math.PI/180)}}function Pn(r){let{items:e}=r.drawing,[t,n,i,o]=[1/0,1/0,-1/0,-1/0];
+path:[e.x,e.y,1]})},cancel:()=>{},draw:l=>Cn(r,l,t,i,o,s,a*Math.PI/180)}}function In(r){let{items:e}=r.drawing,[t,n,i,o]=[1/0,1/0,-1/0,-1/0];
 for(let s of r.drawing.selected())[t,i]=[Math.min(t,e.x[s]),Math.max(i,e.x[s])],[n,o]=[Math.min(n,e.y[s]),Math.max(o,e.y[s])];return[(t+i)/2e3,
-(n+o)/2e3]}function st(r,e){return Math.atan2(e,r)*180/Math.PI}function Dn(r,e,t,n,i,o,s){let{drawing:a,viewport:l}=r,{items:c}=a,u=l.scale/
+(n+o)/2e3]}function st(r,e){return Math.atan2(e,r)*180/Math.PI}function Cn(r,e,t,n,i,o,s){let{drawing:a,viewport:l}=r,{items:c}=a,u=l.scale/
 l.ratio,h=(d,p)=>{let[f,g]=[d-n[0],p-n[1]];return l.px(n[0]+Math.cos(s)*f-Math.sin(s)*g+i,n[1]+Math.sin(s)*f+Math.cos(s)*g+o)};if(e.beginPath(),
 a.state.value.selected>400){let{left:d,top:p,right:f,bottom:g}=t;for(let v of[[d,p],[f,p],[f,g],[d,g]])e.lineTo(...h(...v));return e.closePath(),
 e.stroke()}for(let d of a.selected()){let p=a.kinds.get(c.kind[d]);if(!p)continue;let[f,g]=h(c.x[d]/1e3,c.y[d]/1e3),v=c.scale[d]/1e3*u,y=c.turn[d]/
@@ -211,10 +212,10 @@ ratio,e.height/e.ratio];r.fillStyle=n.ground,r.fillRect(0,0,i,18),r.fillRect(0,0
 textBaseline="alphabetic",r.lineWidth=1,r.setLineDash([]),r.strokeStyle=n.stroke,ut(r,e,i,n,!1),r.save(),r.transform(0,1,1,0,0,0),ut(r,e,o,n,
 !0),r.restore(),r.fillStyle=n.ground,r.fillRect(0,0,18,18),r.fillStyle=n.text,r.fillText("mm",2,12),t&&(r.strokeStyle=n.text,r.beginPath(),r.
 moveTo(Math.round(t[0])+.5,0),r.lineTo(Math.round(t[0])+.5,18),r.moveTo(0,Math.round(t[1])+.5),r.lineTo(18,Math.round(t[1])+.5),r.stroke())}
-function ut(r,e,t,n,i){let o=e.scale/e.ratio,s=(i?e.y:e.x)/e.ratio,a=ht(56/o),l=[10,5,2].map(u=>a/u).find(u=>u*o>=5&&In(u))??a,c=Math.round(
+function ut(r,e,t,n,i){let o=e.scale/e.ratio,s=(i?e.y:e.x)/e.ratio,a=ht(56/o),l=[10,5,2].map(u=>a/u).find(u=>u*o>=5&&On(u))??a,c=Math.round(
 a/l);r.beginPath();for(let u=Math.floor((18-s)/o/l);u*l*o+s<t;u++){let h=Math.round(u*l*o+s)+.5,d=u%c===0;r.moveTo(h,18),r.lineTo(h,d?4:14),
-d&&Cn(r,Number((u*l).toPrecision(9)),h,n,i)}r.stroke(),r.beginPath(),r.moveTo(0,18-.5),r.lineTo(t,18-.5),r.stroke()}function In(r){return Math.
-abs(ht(r)-r)<1e-6*r}function Cn(r,e,t,n,i){if(r.fillStyle=n.text,!i)return r.fillText(String(e),t+3,11);r.save(),r.transform(0,1,1,0,0,0),r.
+d&&Rn(r,Number((u*l).toPrecision(9)),h,n,i)}r.stroke(),r.beginPath(),r.moveTo(0,18-.5),r.lineTo(t,18-.5),r.stroke()}function On(r){return Math.
+abs(ht(r)-r)<1e-6*r}function Rn(r,e,t,n,i){if(r.fillStyle=n.text,!i)return r.fillText(String(e),t+3,11);r.save(),r.transform(0,1,1,0,0,0),r.
 translate(3,t+3),r.rotate(Math.PI/2),r.fillText(String(e),0,0),r.restore()}var ue=class{constructor(e){this.desk=e;let{drawing:t,viewport:n,appearance:i,tool:o,region:s,settings:a}=e,l=()=>this.ask();for(let c of[t.
 changed,n.changed,i.changed])c.on(l);for(let c of[t.hello,o,s])c.on(l);a.changed.on(l)}desk;gesture=null;canvas=w("overlay");ring=w("ring");cross=w(
 "cross");pointer=null;asked=!1;point(e,t=!1){this.pointer=e,this.cross.hidden=!(e&&t),e&&(this.cross.style.transform=`translate(${e[0]}px, ${e[1]}\
@@ -251,24 +252,24 @@ x-t.x)/2,(n.y-t.y)/2),o>10&&s>10&&this.viewport.zoom(s/o,(n.x+i.x)/2,(n.y+i.y)/2
 owner&&(this.panning=!1,t||this.waiting?.start(),this.finish(n=>t?n.cancel():n.end()))}finish(e){let{gesture:t}=this;this.gesture=null,t&&e(
 t),this.drawn(null)}wheel(e){e.preventDefault();let t=e.deltaMode===1?16:e.deltaMode===2?400:1,[n,i]=[e.deltaX*t,e.deltaY*t],{x:o,y:s}=this.
 place(e);e.ctrlKey||e.metaKey?this.viewport.zoom(Math.exp(-Math.max(-60,Math.min(60,i))*.006),o,s):e.shiftKey&&!n?this.viewport.pan(-i,0):this.
-viewport.pan(-n,-i)}};var On={ArrowLeft:[-1,0],ArrowRight:[1,0],ArrowUp:[0,-1],ArrowDown:[0,1]};function dt(r,e,t){let{viewport:n}=r,i=w("surface"),o=null,s=(c,u,h)=>{
+viewport.pan(-n,-i)}};var Hn={ArrowLeft:[-1,0],ArrowRight:[1,0],ArrowUp:[0,-1],ArrowDown:[0,1]};function dt(r,e,t){let{viewport:n}=r,i=w("surface"),o=null,s=(c,u,h)=>{
 o=null,e.point(h?[c,u]:null),t.point(h?n.mm(c,u):null)},a=(c,u)=>r.link.line.value==="open"?r.tool.value?.begin(c,u)??null:null,l=new he(i,n,
-a,s,c=>{e.gesture=c,e.ask()});return i.addEventListener("keydown",c=>{let u=On[c.key];if(c.ctrlKey||c.metaKey||!u&&c.key!=="Enter")return;c.
+a,s,c=>{e.gesture=c,e.ask()});return i.addEventListener("keydown",c=>{let u=Hn[c.key];if(c.ctrlKey||c.metaKey||!u&&c.key!=="Enter")return;c.
 preventDefault();let h=c.shiftKey?10:1;o??=n.mm(n.width/n.ratio/2,n.height/n.ratio/2),u?o=[o[0]+h*u[0],o[1]+h*u[1]]:a({x:o[0],y:o[1],pressure:1},
-{shift:c.shiftKey,alt:c.altKey})?.end(),e.point(n.px(...o),!0),t.point(o)}),i.addEventListener("blur",()=>o&&s(0,0,!1)),Rn(i,l),r.tool.on(c=>i.
-dataset.part=c?.part??""),l}function Rn(r,e){let t=n=>{e.space=n,r.classList.toggle("panning",n)};window.addEventListener("keydown",n=>{n.key!==
+{shift:c.shiftKey,alt:c.altKey})?.end(),e.point(n.px(...o),!0),t.point(o)}),i.addEventListener("blur",()=>o&&s(0,0,!1)),Kn(i,l),r.tool.on(c=>i.
+dataset.part=c?.part??""),l}function Kn(r,e){let t=n=>{e.space=n,r.classList.toggle("panning",n)};window.addEventListener("keydown",n=>{n.key!==
 " "||n.target!==r&&n.target!==document.body||(n.preventDefault(),t(!0))}),window.addEventListener("keyup",n=>{n.key===" "&&t(!1)}),window.addEventListener(
-"blur",()=>t(!1))}var Hn="insert";function pt(r){let e=w("rail"),t=new Map;r.tools.on(n=>{t=new Map(n.map(s=>[s.name,Kn(r,s)]));let o=["look","select","brush",
+"blur",()=>t(!1))}var $n="insert";function pt(r){let e=w("rail"),t=new Map;r.tools.on(n=>{t=new Map(n.map(s=>[s.name,Nn(r,s)]));let o=["look","select","brush",
 "outline"].map(s=>m("div",{class:"rail-part"},...n.filter(a=>a.part===s).map(a=>t.get(a.name))));e.replaceChildren(...o.filter(s=>s.children.
-length)),r.tool.value=n.find(s=>s.name===(r.tool.value?.name??Hn))??n[0]??null}),r.tool.on(n=>{for(let[i,o]of t)o.setAttribute("aria-pressed",
-String(i===n?.name)),o.tabIndex=i===n?.name?0:-1}),e.addEventListener("keydown",n=>Ce(n,[...t.values()]))}function Kn(r,e){let t=`${e.title}${e.
+length)),r.tool.value=n.find(s=>s.name===(r.tool.value?.name??$n))??n[0]??null}),r.tool.on(n=>{for(let[i,o]of t)o.setAttribute("aria-pressed",
+String(i===n?.name)),o.tabIndex=i===n?.name?0:-1}),e.addEventListener("keydown",n=>Ce(n,[...t.values()]))}function Nn(r,e){let t=`${e.title}${e.
 key?` (${e.key.toUpperCase()})`:""}: ${e.help}`,n=e.key?{"aria-keyshortcuts":e.key}:{},i=U(D[e.name]??D.insert,e.title,()=>r.tool.value=e,{"\
 data-tool":e.name,...n});return i.title=t,i}function Ce(r,e){let t=e.indexOf(document.activeElement),n={ArrowDown:t+1,ArrowRight:t+1,ArrowUp:t-
-1,ArrowLeft:t-1,Home:0,End:e.length-1}[r.key];t<0||n===void 0||(r.preventDefault(),r.stopPropagation(),e[(n+e.length)%e.length].focus())}var $n=new Set(["size","strength","falloff"]),Nn=new Set(["path","on","layer"]),Z=class r{changed=new P;own=new Map;static shown(e){return e.
-knobs.filter(t=>!Nn.has(t.name))}get(e,t){let n=this.own.get(this.key(e,t));return n===void 0?e.knobs.find(i=>i.name===t)?.default??null:n}set(e,t,n){
+1,ArrowLeft:t-1,Home:0,End:e.length-1}[r.key];t<0||n===void 0||(r.preventDefault(),r.stopPropagation(),e[(n+e.length)%e.length].focus())}var Bn=new Set(["size","strength","falloff"]),Un=new Set(["path","on","layer"]),Z=class r{changed=new P;own=new Map;static shown(e){return e.
+knobs.filter(t=>!Un.has(t.name))}get(e,t){let n=this.own.get(this.key(e,t));return n===void 0?e.knobs.find(i=>i.name===t)?.default??null:n}set(e,t,n){
 this.own.set(this.key(e,t),n),this.changed.say(t)}scale(e,t,n){let i=e.knobs.find(a=>a.name===t),o=this.get(e,t);if(!i||typeof o!="number")return;
 let s=Number((o*n).toPrecision(2));this.set(e,t,Math.min(i.high??s,Math.max(Math.max(i.low??s,.01),s)))}params(e){let t={};for(let n of r.shown(
-e)){let i=this.get(e,n.name);i!==null&&JSON.stringify(i)!==JSON.stringify(n.default)&&(t[n.name]=i)}return t}key(e,t){return $n.has(t)&&e.knobs.
+e)){let i=this.get(e,n.name);i!==null&&JSON.stringify(i)!==JSON.stringify(n.default)&&(t[n.name]=i)}return t}key(e,t){return Bn.has(t)&&e.knobs.
 some(n=>n.name==="path")&&e.group!=="relax"?t:`${e.name} ${t}`}};function N(r,e,t){let i=Z.shown(e).filter(s=>!t||t.includes(s.name)).map(s=>{let a=r.settings.get(e,s.name);return{name:s.name,...re(s,a,l=>r.
 settings.set(e,s.name,l),r.libraries)}}),o=m("div",{class:"knobs"},...i.map(s=>s.element));return r.settings.changed.on(s=>{if(o.isConnected)
 for(let a of i)a.name===s&&!a.element.contains(document.activeElement)&&a.show(r.settings.get(e,s))}),o}function me(r,e,t=$(e.name),n=()=>({})){
@@ -280,12 +281,12 @@ wide"}))}var ft=256,Oe=56,de=4,pe=class{constructor(e){this.name=e;let t=documen
 values.splice(0,this.values.length,...this.values.filter((n,i)=>i%2)),this.draw())}draw(){let{values:e}=this,[t,n]=[e[0]?.[0]??0,e[e.length-
 1]?.[0]??1],i=Math.min(...e.map(([,l])=>l)),o=Math.max(...e.map(([,l])=>l)),s=l=>de+(l-t)/Math.max(n-t,1)*(ft-2*de),a=l=>Oe-de-(l-i)/(o-i||1)*
 (Oe-2*de);this.line.setAttribute("points",e.map(([l,c])=>`${s(l).toFixed(1)},${a(c).toFixed(1)}`).join(" ")),this.now.textContent=e.length?Number(
-e[e.length-1][1].toPrecision(4)).toString():""}};var Bn=["energy","movement","turning"];function gt(r){let e=m("div",{class:"panel"});return r.drawing.hello.on(t=>{let n=r.operation("relax"),
-i=t?.operations.filter(o=>o.group==="relax"&&o!==n)??[];e.replaceChildren(...n?zn(r,n):[],...i.map(o=>Un(r,o)))}),e}function Un(r,e){let t=()=>{
+e[e.length-1][1].toPrecision(4)).toString():""}};var zn=["energy","movement","turning"];function gt(r){let e=m("div",{class:"panel"});return r.drawing.hello.on(t=>{let n=r.operation("relax"),
+i=t?.operations.filter(o=>o.group==="relax"&&o!==n)??[];e.replaceChildren(...n?Vn(r,n):[],...i.map(o=>Wn(r,o)))}),e}function Wn(r,e){let t=()=>{
 let i=e.knobs.some(o=>o.name==="path")?r.region.value:null;return i?{path:i}:{}},n=me(r,e,void 0,()=>({...t(),...r.ofLayer(e)}));return m("d\
-etails",{class:"section"},m("summary",{},e.name==="tile"?"Lay tiles":e.name==="cut"?"Cut stones":e.name),n)}function zn(r,e){let t=m("select",
+etails",{class:"section"},m("summary",{},e.name==="tile"?"Lay tiles":e.name==="cut"?"Cut stones":e.name),n)}function Vn(r,e){let t=m("select",
 {id:E("on")},...["all","selection"].map(p=>m("option",{value:p},p))),n=m("input",{type:"number",id:E("steps"),min:1,max:1e4,step:1,value:10}),
-i=Bn.map(p=>new pe(p)),o=m("p",{class:"count",role:"status"}),s=p=>{if(p>1||!p)for(let g of i)g.clear();let f={...r.settings.params(e),...r.
+i=zn.map(p=>new pe(p)),o=m("p",{class:"count",role:"status"}),s=p=>{if(p>1||!p)for(let g of i)g.clear();let f={...r.settings.params(e),...r.
 ofLayer(e),on:t.value};r.apply(e.name,f,{times:p}).then(g=>{g&&(o.textContent=g.stopped?"Stopped":"")})},a=()=>{n.reportValidity()&&s(n.valueAsNumber)},
 l=Re("Play","play",()=>{let{busy:p}=r.drawing.state.value??{};p?r.ask({do:p.paused?"resume":"pause"}):s(0)}),c=Re("Stop","stop",()=>{r.ask({
 do:"stop"})}),u=Re("Undo it","cancel",()=>{r.ask({do:"cancel"})}),h=M("1 step",()=>s(1)),d=M("steps",a);return r.drawing.steps.on(p=>{if(p.stage!==
@@ -295,13 +296,13 @@ g),f.element.hidden=g===void 0&&f.name==="turning"}}}),r.drawing.state.on(p=>{le
 f!==null;for(let v of t.options)v.value==="selection"&&(v.disabled=!p?.selected);p?.selected||(t.value="all")}),[m("h2",{},"Relaxation"),m("\
 p",{class:"help"},e.help),N(r,e,["variant"]),m("div",{class:"knob"},m("label",{for:t.id},"On"),m("div",{class:"knob-inputs"},t)),m("div",{class:"\
 row"},l,c,u),m("div",{class:"row"},h,m("span",{class:"joined"},m("label",{for:n.id,class:"unseen"},"Number of steps"),n,d)),o,...i.map(p=>p.
-element),m("details",{},m("summary",{},"Finer settings"),N(r,e,Wn(e)))]}function Wn(r){return r.knobs.map(e=>e.name).filter(e=>!["variant","\
+element),m("details",{},m("summary",{},"Finer settings"),N(r,e,Fn(e)))]}function Fn(r){return r.knobs.map(e=>e.name).filter(e=>!["variant","\
 size","strength","falloff"].includes(e))}function Re(r,e,t){return m("button",{type:"button",click:t,"aria-label":r},V(D[e]),r)}async function bt(r){let e=await r.get("picture.png");return e&&createImageBitmap(e)}async function vt(r,e,t){let n=await r.get(`still-${e}.\
 svg`);if(!n)return null;let i=new Image;i.src=URL.createObjectURL(n),await i.decode(),URL.revokeObjectURL(i.src);let o=2e3/Math.max(...t),s=new OffscreenCanvas(
 Math.ceil(t[0]*o),Math.ceil(t[1]*o));return s.getContext("2d").drawImage(i,0,0,s.width,s.height),s.transferToImageBitmap()}function yt(r,e){let{viewport:t,appearance:n,drawing:i}=r,o=w("stage"),s=w("drawing").transferControlToOffscreen();e({do:"canvas",canvas:s},
 [s]);let a=!1;t.changed.on(()=>{a||(a=!0,requestAnimationFrame(()=>{a=!1,e({do:"view",view:t.view,width:t.width,height:t.height})}))});let l=()=>{
 let[h,d]=[o.clientWidth,o.clientHeight].map(p=>Math.round(p*devicePixelRatio));t.resize(h,d,devicePixelRatio)};new ResizeObserver(l).observe(
-o),l();let c=()=>e({do:"look",look:n.look});n.changed.on(c),c();let u="";i.hello.on(h=>{h&&(u!==h.name&&t.show(h.size),u=h.name)}),Vn(r,e)}function Vn(r,e){
+o),l();let c=()=>e({do:"look",look:n.look});n.changed.on(c),c();let u="";i.hello.on(h=>{h&&(u!==h.name&&t.show(h.size),u=h.name)}),Gn(r,e)}function Gn(r,e){
 let{drawing:t}=r,{wire:n}=r.link,i=(s,a)=>e({do:"image",name:s,bitmap:a},a?[a]:[]),o=new Set;t.hello.on(s=>{o.clear(),s&&(s.picture?bt(n).then(
 a=>i("picture",a)):i("picture",null))}),t.state.on(s=>{let{size:a}=t.hello.value??{};for(let{id:l,kind:c}of s?.layers??[])c!=="still"||o.has(
 l)||!a||(o.add(l),vt(n,l,a).then(u=>i(l,u)))})}var wt={connecting:"",open:"",broken:"The connection broke. Nothing is lost; connecting again…",ended:"The server has ended. All is saved:\
@@ -315,7 +316,7 @@ on(s=>{this.banner(wt[s]),H(w("app"),{"data-line":s})}),t.steps.on(s=>{s.stage==
 scale,n=Math.max(1,Math.min(3,Math.ceil(Math.log10(t))));this.place.textContent=e?`${e[0].toFixed(n)}, ${e[1].toFixed(n)} mm`:""}banner(e){let t=w(
 "banner");t.textContent!==e&&(t.textContent=e),t.hidden=!e}scale(){let{scale:e,ratio:t}=this.desk.viewport,n=e/t*25.4*100/96;this.zoom.textContent=
 `${n<10?n.toPrecision(2):Math.round(n).toLocaleString("en")} %`}};function kt(r){let e=m("div",{class:"panel"});return r.drawing.hello.on(t=>{let n=t?.operations.filter(i=>i.group==="style")??[];n.length&&e.
-replaceChildren(...Fn(r,n))}),e}function Mt(r){return r.name.replace(/^redraw /,"")}function Fn(r,e){let t=m("select",{id:E("style")},...e.map(
+replaceChildren(...jn(r,n))}),e}function Mt(r){return r.name.replace(/^redraw /,"")}function jn(r,e){let t=m("select",{id:E("style")},...e.map(
 d=>m("option",{value:d.name},Mt(d)))),n=m("div",{}),i=new Map,o=()=>e.find(d=>d.name===t.value),s=()=>{let d=o();i.has(d.name)||i.set(d.name,
 m("div",{class:"stack"},m("p",{class:"help"},d.help),N(r,d))),n.replaceChildren(i.get(d.name))},a=m("p",{class:"help"}),l=d=>{let p=o();r.messages.
 note(`${$(Mt(p))} is being drawn; Stop ends it.`),r.apply(p.name,{...r.settings.params(p),...d?{path:d}:{}})},c=M("Draw the region anew",()=>l(
@@ -327,57 +328,57 @@ role:"tabpanel","aria-labelledby":a}))s.setAttribute(c,u);return m("button",{typ
 o)}),i=o=>{r.forEach((s,a)=>{let l=s.name===o;s.panel.hidden=!l,n[a].setAttribute("aria-selected",String(l)),n[a].tabIndex=l?0:-1})};return e.
 addEventListener("keydown",o=>{Ce(o,n),document.activeElement!==o.target&&document.activeElement.click()}),e.replaceChildren(...n),t.replaceChildren(
 ...r.map(o=>o.panel)),i(r[0].name),i}function Et(r){let e=m("div",{}),t=m("section",{class:"section stack","aria-label":"Selection"}),n=new Map;return r.tool.on(i=>{i&&(n.has(i)||
-n.set(i,Gn(r,i)),e.replaceChildren(n.get(i)))}),r.drawing.hello.on(i=>i&&t.replaceChildren(...Zn(r))),m("div",{class:"panel"},e,t)}function Gn(r,e){
+n.set(i,Zn(r,i)),e.replaceChildren(n.get(i)))}),r.drawing.hello.on(i=>i&&t.replaceChildren(...Jn(r))),m("div",{class:"panel"},e,t)}function Zn(r,e){
 let{operation:t,part:n,name:i}=e;return m("div",{class:"stack"},m("h2",{},e.title),m("p",{class:"help"},e.help),t&&e.ring&&N(r,t,n==="select"?
-["size"]:void 0),t&&n==="brush"&&jn(r,t),i==="wall"&&M("Take the wall away",()=>{r.apply("wall",{})},{class:"wide"}),i==="region"&&M("Forget\
- the region",()=>r.region.value=null,{class:"wide"}))}function jn(r,e){if(!e.knobs.some(i=>i.name==="on"))return null;let t=i=>()=>{r.apply(
+["size"]:void 0),t&&n==="brush"&&Yn(r,t),i==="wall"&&M("Take the wall away",()=>{r.apply("wall",{})},{class:"wide"}),i==="region"&&M("Forget\
+ the region",()=>r.region.value=null,{class:"wide"}))}function Yn(r,e){if(!e.knobs.some(i=>i.name==="on"))return null;let t=i=>()=>{r.apply(
 e.name,{...r.settings.params(e),...r.ofLayer(e),on:i})},n=M("On the selection",t("selection"));return r.drawing.changed.on(()=>n.disabled=!r.
-drawing.state.value?.selected),n.disabled=!r.drawing.state.value?.selected,m("div",{class:"row"},n,M("On all",t("all")))}function Zn(r){let e=r.
+drawing.state.value?.selected),n.disabled=!r.drawing.state.value?.selected,m("div",{class:"row"},n,M("On all",t("all")))}function Jn(r){let e=r.
 operation("select");if(!e)return[];let t=m("p",{class:"count"}),n=[],i=(l,c,u)=>{if(!r.operation(c))return null;let h=M(l,()=>{r.apply(c,u)});
 return n.push(h),h},o=(l,c)=>M(l,()=>{r.apply("select",{...c,...r.ofLayer(e)})}),s=m("details",{},m("summary",{},"By the tone beneath"),N(r,
-e,["low","high"]),M("Select",()=>Yn(r,e),{class:"wide"})),a=[m("h2",{},"Selection"),t,m("div",{class:"row"},o("All",{by:"all"}),o("None",{by:"\
+e,["low","high"]),M("Select",()=>qn(r,e),{class:"wide"})),a=[m("h2",{},"Selection"),t,m("div",{class:"row"},o("All",{by:"all"}),o("None",{by:"\
 none"}),o("Invert",{by:"invert"})),s,m("div",{class:"row"},i("Erase","erase",{on:"selection"}),i("Duplicate","duplicate",{})),m("div",{class:"\
 row"},i("Freeze","freeze",{on:"selection"}),i("Thaw","freeze",{on:"selection",frozen:!1})),m("div",{class:"row"},i("Align to the flow","turn",
-{on:"selection",by:"flow"})),Jn(r)];return r.drawing.changed.on(()=>{let{selected:l=0,marks:c=0}=r.drawing.state.value??{};t.textContent=`${l.
-toLocaleString("en")} of ${c.toLocaleString("en")} selected`;for(let u of n)u.disabled=!l}),a.filter(l=>l!==null)}function Yn(r,e){let{low:t,
-high:n}={low:r.settings.get(e,"low"),high:r.settings.get(e,"high")};r.apply("select",{by:"tone",low:t,high:n,...r.ofLayer(e)})}function Jn(r){
+{on:"selection",by:"flow"})),Xn(r)];return r.drawing.changed.on(()=>{let{selected:l=0,marks:c=0}=r.drawing.state.value??{};t.textContent=`${l.
+toLocaleString("en")} of ${c.toLocaleString("en")} selected`;for(let u of n)u.disabled=!l}),a.filter(l=>l!==null)}function qn(r,e){let{low:t,
+high:n}={low:r.settings.get(e,"low"),high:r.settings.get(e,"high")};r.apply("select",{by:"tone",low:t,high:n,...r.ofLayer(e)})}function Xn(r){
 let e=r.operation("move");return e?m("details",{},m("summary",{},"Move and turn by numbers"),me(r,e,"Move")):null}var He=class{constructor(e,t){this.apart=t;this.last=e,this.left=t}apart;last;left;to(e){let t=[],{last:n}=this,i=Math.hypot(e.x-n.x,e.y-n.y),
-o=this.left;for(;o<=i;o+=this.apart)t.push(qn(n,e,o/i));return this.left=o-i,this.last=e,t}};function qn(r,e,t){let n=(i,o)=>i+t*(o-i);return{
+o=this.left;for(;o<=i;o+=this.apart)t.push(_n(n,e,o/i));return this.left=o-i,this.last=e,t}};function _n(r,e,t){let n=(i,o)=>i+t*(o-i);return{
 x:n(r.x,e.x),y:n(r.y,e.y),pressure:n(r.pressure,e.pressure)}}function Ke(r,e){let t=new He(r,Math.max(e.size*.12,.02)),n=[r],i=null,o=r,s=0,
 a=!1,l=!1,c=()=>n.length>=(a?1:e.least)&&(!e.lead||i!==null||n.length>1),u=()=>{for(;!l&&s<2&&c();){let f=n.splice(0,Math.floor(e.most/3)-1),
 g=e.lead&&i?[i,...f]:f;i=f[f.length-1],s++;let v=g.flatMap(y=>[Tt(y.x),Tt(y.y),Math.round(y.pressure*1e3)/1e3]);e.send(v).then(h,()=>l=!0)}},
 h=()=>{s--,u()},d=e.lingers?setInterval(()=>{s||n.length||(n.push(o),u())},70):void 0,p=()=>{a=!0,clearInterval(d),u()};return u(),{move(f){
 for(let g of f)n.push(...t.to(o=g));u()},end(){o!==(n[n.length-1]??i)&&n.push(o),p()},cancel(){n=[],p()}}}function Tt(r){return Math.round(r*
-1e3)/1e3}var Lt={insert:"b",erase:"e",push:"p",attract:"a",jitter:"j",resize:"s",turn:"t",swap:"g",freeze:"f",paint:"i",relax:"r"},Xn=new Set(["inser\
+1e3)/1e3}var Lt={insert:"b",erase:"e",push:"p",attract:"a",jitter:"j",resize:"s",turn:"t",swap:"g",freeze:"f",paint:"i",relax:"r"},Qn=new Set(["inser\
 t","attract","jitter","relax","paint"]);function St(r,e){let t=e.filter(s=>$e(s,"path")&&$e(s,"size")&&s.group!=="select"&&s.group!=="style"),
-n=Object.keys(Lt),i=s=>n.includes(s.name)?n.indexOf(s.name):n.length;t.sort((s,a)=>i(s)-i(a));let o=e.find(s=>s.name==="select");return[..._n(
-r),...o?Qn(r,o):[],...t.map(s=>er(r,s)),...nr(r,e)]}function At(r){let e=()=>{let t=r.tool.value?.operation,n=t?.name==="paint"?r.settings.get(
+n=Object.keys(Lt),i=s=>n.includes(s.name)?n.indexOf(s.name):n.length;t.sort((s,a)=>i(s)-i(a));let o=e.find(s=>s.name==="select");return[...er(
+r),...o?tr(r,o):[],...t.map(s=>nr(r,s)),...ir(r,e)]}function At(r){let e=()=>{let t=r.tool.value?.operation,n=t?.name==="paint"?r.settings.get(
 t,"map"):null;r.appearance.instead.value=n==="tone"||n==="importance"?n:null};r.tool.on(e),r.settings.changed.on(e)}function $e(r,e){return r.
-knobs.some(t=>t.name===e)}function _n(r){return[{name:"pan",title:"Pan",help:"Drag the paper about",key:"h",part:"look",operation:null,ring:!1,
+knobs.some(t=>t.name===e)}function er(r){return[{name:"pan",title:"Pan",help:"Drag the paper about",key:"h",part:"look",operation:null,ring:!1,
 begin:t=>{let{viewport:n}=r;return{move:i=>{let o=i[i.length-1],[s,a]=[(o.x-t.x)*n.scale,(o.y-t.y)*n.scale];n.pan(s/n.ratio,a/n.ratio)},end:()=>{},
-cancel:()=>{}}}}]}function ge(r){return r.alt?"remove":r.shift?"add":"replace"}function Qn(r,e){let t=(c,u,h,d={})=>{r.apply("select",{by:c,
+cancel:()=>{}}}}]}function ge(r){return r.alt?"remove":r.shift?"add":"replace"}function tr(r,e){let t=(c,u,h,d={})=>{r.apply("select",{by:c,
 mode:ge(u),path:h,...d,...r.ofLayer(e)})},n=(c,u,h,d,p=!1)=>({name:c,title:$(c),help:`${h}; Shift adds, Alt takes away`,key:u,part:"select",
-operation:p?e:null,ring:p,begin:d}),i=(c,u)=>ge(u)==="replace"?ct(r,c):null,o=(c,u)=>{let h=[c.x,c.y,1];return i(c,u)??rr(()=>t("pick",u,h))},
-s=(c,u)=>i(c,u)??ir(r,c,h=>t("rectangle",u,[c.x,c.y,1,h.x,h.y,1]),()=>t("pick",u,[c.x,c.y,1])),a=(c,u)=>Ne(r,c,h=>t("lasso",u,h)),l=(c,u)=>{
+operation:p?e:null,ring:p,begin:d}),i=(c,u)=>ge(u)==="replace"?ct(r,c):null,o=(c,u)=>{let h=[c.x,c.y,1];return i(c,u)??or(()=>t("pick",u,h))},
+s=(c,u)=>i(c,u)??sr(r,c,h=>t("rectangle",u,[c.x,c.y,1,h.x,h.y,1]),()=>t("pick",u,[c.x,c.y,1])),a=(c,u)=>Ne(r,c,h=>t("lasso",u,h)),l=(c,u)=>{
 let h=r.settings.get(e,"size"),d=r.newGroup(),p=0;return Ke(c,{size:typeof h=="number"?h:5,lead:!1,least:1,lingers:!1,most:3*r.drawing.hello.
 value.limits.path,send:f=>{let g=p++&&ge(u)==="replace"?"add":ge(u);return r.apply("select",{by:"brush",mode:g,path:f,size:h,...r.ofLayer(e)},
 {group:d})}})};return[n("pick","v","Select the mark that you touch, and move or turn what is selected by its handles",o),n("rectangle","m","\
-Select in a rectangle",s),n("lasso","l","Select inside an outline that you draw",a),n("select brush","q","Select under a brush",l,!0)]}function er(r,e){
+Select in a rectangle",s),n("lasso","l","Select inside an outline that you draw",a),n("select brush","q","Select under a brush",l,!0)]}function nr(r,e){
 let t=(o,s)=>{let{settings:a}=r,l={...a.params(e),...r.ofLayer(e)},c=Number(a.get(e,"size")),u=e.name==="turn"?a.get(e,"by"):a.get(e,"turn"),
-h=r.newGroup();return Ke(o,{size:c,lead:e.name==="push"||e.name==="turn"&&u==="stroke",least:e.name==="insert"&&u==="stroke"?2:1,lingers:Xn.
+h=r.newGroup();return Ke(o,{size:c,lead:e.name==="push"||e.name==="turn"&&u==="stroke",least:e.name==="insert"&&u==="stroke"?2:1,lingers:Qn.
 has(e.name),most:3*r.drawing.hello.value.limits.path,send:async d=>{let p=$e(e,"on")?{on:"brush"}:{};if(!await r.apply(e.name,{...l,...s.alt?
-tr(e,l):{},...p,size:c,path:d},{group:h}))throw new Error("refused")}})},{name:n,help:i}=e;return{name:n,title:$(n),help:i,key:Lt[n]??"",part:"\
-brush",operation:e,ring:!0,begin:t}}function tr(r,e){let t=n=>e[n]??r.knobs.find(i=>i.name===n)?.default;return r.name==="resize"?{factor:1/
+rr(e,l):{},...p,size:c,path:d},{group:h}))throw new Error("refused")}})},{name:n,help:i}=e;return{name:n,title:$(n),help:i,key:Lt[n]??"",part:"\
+brush",operation:e,ring:!0,begin:t}}function rr(r,e){let t=n=>e[n]??r.knobs.find(i=>i.name===n)?.default;return r.name==="resize"?{factor:1/
 Number(t("factor"))}:r.name==="turn"?{angle:-Number(t("angle"))}:r.name==="freeze"?{frozen:!t("frozen")}:r.name==="paint"?{value:1-Number(t(
-"value"))}:{}}function nr(r,e){let t=[],n=e.find(o=>o.name==="wall"),i={part:"outline",operation:null,ring:!1};if(n){let o=s=>Ne(r,s,a=>{r.apply(
+"value"))}:{}}function ir(r,e){let t=[],n=e.find(o=>o.name==="wall"),i={part:"outline",operation:null,ring:!1};if(n){let o=s=>Ne(r,s,a=>{r.apply(
 "wall",{path:a})});t.push({name:"wall",title:"Wall",help:"Draw an outline that relaxation does not cross",key:"w",...i,begin:o})}if(e.some(o=>o.
 group==="style")){let o=s=>Ne(r,s,a=>r.region.value=a);t.push({name:"region",title:"Region",help:"Draw the outline of what a style shall dra\
-w anew",key:"d",...i,begin:o})}return t}function rr(r){return{move:()=>{},end:r,cancel:()=>{}}}function ir(r,e,t,n){let i=e;return{move:o=>i=
+w anew",key:"d",...i,begin:o})}return t}function or(r){return{move:()=>{},end:r,cancel:()=>{}}}function sr(r,e,t,n){let i=e;return{move:o=>i=
 o[o.length-1],end:()=>Pt(r,e,i)<3?n():t(i),cancel:()=>{},draw:o=>{let[[s,a],[l,c]]=[r.viewport.px(e.x,e.y),r.viewport.px(i.x,i.y)];o.strokeRect(
 s,a,l-s,c-a),o.fillRect(s,a,l-s,c-a)}}}function Ne(r,e,t){let n=[e];return{move:i=>{for(let o of i)Pt(r,n[n.length-1],o)>=2&&n.push(o)},end:()=>{
 let i=n.flatMap(o=>[Math.round(o.x*1e3)/1e3,Math.round(o.y*1e3)/1e3,1]);n.length>2&&t(i.slice(0,3*r.drawing.hello.value.limits.path))},cancel:()=>{},
 draw:i=>{i.beginPath();for(let{x:o,y:s}of n)i.lineTo(...r.viewport.px(o,s));i.fill("evenodd"),i.stroke()}}}function Pt(r,e,t){return Math.hypot(
-e.x-t.x,e.y-t.y)*r.viewport.scale/r.viewport.ratio}var or=20,sr=4e3,Dt=40,be=class{changed=new P;scale=1;x=0;y=0;width=1;height=1;ratio=1;paper=[100,100];get view(){return{scale:this.scale,x:this.
+e.x-t.x,e.y-t.y)*r.viewport.scale/r.viewport.ratio}var ar=20,lr=4e3,Dt=40,be=class{changed=new P;scale=1;x=0;y=0;width=1;height=1;ratio=1;paper=[100,100];get view(){return{scale:this.scale,x:this.
 x,y:this.y}}mm(e,t){return[(e*this.ratio-this.x)/this.scale,(t*this.ratio-this.y)/this.scale]}px(e,t){return[(e*this.scale+this.x)/this.ratio,
 (t*this.scale+this.y)/this.ratio]}resize(e,t,n){let i=n/this.ratio;[this.width,this.height,this.ratio]=[e,t,n],[this.scale,this.x,this.y]=[this.
 scale*i,this.x*i,this.y*i],this.changed.say()}show(e){this.paper=e,this.fit({left:0,top:0,right:e[0],bottom:e[1]})}all(){this.fit({left:0,top:0,
@@ -385,19 +386,19 @@ right:this.paper[0],bottom:this.paper[1]})}fit(e){let t=Dt*this.ratio,[n,i]=[Mat
 scale=this.bounded(Math.min((this.width-2*t)/n,(this.height-2*t)/i)),this.x=this.width/2-(e.left+e.right)/2*this.scale,this.y=this.height/2-
 (e.top+e.bottom)/2*this.scale,this.changed.say()}pan(e,t){this.x+=e*this.ratio,this.y+=t*this.ratio,this.keep(),this.changed.say()}zoom(e,t=this.
 width/this.ratio/2,n=this.height/this.ratio/2){let[i,o]=this.mm(t,n);this.scale=this.bounded(this.scale*e),this.x=t*this.ratio-i*this.scale,
-this.y=n*this.ratio-o*this.scale,this.keep(),this.changed.say()}set(e){this.zoom(e/this.scale)}bounded(e){return Math.min(sr*this.ratio,Math.
-max(or/Math.max(...this.paper),e))}keep(){let e=Dt*this.ratio;this.x=Math.min(this.width-e,Math.max(e-this.paper[0]*this.scale,this.x)),this.
-y=Math.min(this.height-e,Math.max(e-this.paper[1]*this.scale,this.y))}};var ar=[["cells","Voronoi cells"],["axes","Axes"],["flow","Flow of the picture"]],lr=300;function Ct(r,e){let{appearance:t}=r;return m("div",
+this.y=n*this.ratio-o*this.scale,this.keep(),this.changed.say()}set(e){this.zoom(e/this.scale)}bounded(e){return Math.min(lr*this.ratio,Math.
+max(ar/Math.max(...this.paper),e))}keep(){let e=Dt*this.ratio;this.x=Math.min(this.width-e,Math.max(e-this.paper[0]*this.scale,this.x)),this.
+y=Math.min(this.height-e,Math.max(e-this.paper[1]*this.scale,this.y))}};var cr=[["cells","Voronoi cells"],["axes","Axes"],["flow","Flow of the picture"]],ur=300;function Ct(r,e){let{appearance:t}=r;return m("div",
 {class:"panel"},m("h2",{},"Beneath"),It("Shown",t.under,[["picture","picture"],["tone","tone"],["importance","importance"],["none","nothing"]]),
-cr("Opacity",t.opacity),m("h2",{},"Over it"),...ar.map(([n,i])=>ur(r,n,i,e)),ve("Edge, margin and canvas",t.guides),ve("Rulers",t.rulers),m(
+hr("Opacity",t.opacity),m("h2",{},"Over it"),...cr.map(([n,i])=>mr(r,n,i,e)),ve("Edge, margin and canvas",t.guides),ve("Rulers",t.rulers),m(
 "h2",{},"Page"),It("Colours",t.theme,[["system","as the system"],["light","light"],["dark","dark"]]),ve("Shortcuts of one character",t.keys))}
 function It(r,e,t){let n=m("select",{id:E("view"),change:()=>e.value=n.value},...t.map(([i,o])=>m("option",{value:i},o)));return e.on(i=>n.value=
-i),m("div",{class:"knob"},m("label",{for:n.id},r),m("div",{class:"knob-inputs"},n))}function cr(r,e){let t=m("input",{type:"range",id:E("vie\
+i),m("div",{class:"knob"},m("label",{for:n.id},r),m("div",{class:"knob-inputs"},n))}function hr(r,e){let t=m("input",{type:"range",id:E("vie\
 w"),min:0,max:1,step:.01,input:()=>e.value=t.valueAsNumber});return e.on(n=>t.value=String(n)),m("div",{class:"knob"},m("label",{for:t.id},r),
 m("div",{class:"knob-inputs"},t))}function ve(r,e){let t=m("input",{type:"checkbox",id:E("view"),change:()=>e.value=t.checked});return e.on(
-n=>t.checked=n),m("div",{class:"knob knob-flag"},t,m("label",{for:t.id},r))}function ur(r,e,t,n){let i=new L(!1),o=-1,s=!1,a,l=async()=>{let u=r.
+n=>t.checked=n),m("div",{class:"knob knob-flag"},t,m("label",{for:t.id},r))}function mr(r,e,t,n){let i=new L(!1),o=-1,s=!1,a,l=async()=>{let u=r.
 drawing.state.value;!i.value||s||!u||u.revision===o||u.busy&&!u.busy.paused||(s=!0,o=u.revision,await r.ask({do:"show",what:e,...r.layer.value===
-null?{}:{layer:r.layer.value}})||(i.value=!1),s=!1,i.value||n(e))},c=()=>{clearTimeout(a),a=setTimeout(()=>{l()},lr)};return i.on(u=>{o=-1,u?
+null?{}:{layer:r.layer.value}})||(i.value=!1),s=!1,i.value||n(e))},c=()=>{clearTimeout(a),a=setTimeout(()=>{l()},ur)};return i.on(u=>{o=-1,u?
 l():n(e)}),r.drawing.hello.on(()=>o=-1),r.drawing.changed.on(c),ve(t,i)}function Be(r,e){if(!("transferControlToOffscreen"in HTMLCanvasElement.prototype)){document.body.textContent="The editor needs a browser tha\
 t paints in a thread of its own: Chromium 69, Firefox 105, Safari 16.4, or newer.";return}let t=new Worker(r),n=(h,d=[])=>t.postMessage(h,d),
 i=new L(null);t.addEventListener("message",h=>i.value=h.data);let o=new ce;t.addEventListener("error",h=>o.error(`The painter has failed: ${h.
@@ -405,7 +406,7 @@ message}. Load the page again; nothing is lost.`));let s=new le(e),a=new oe(s,ne
 [{name:"Tool",panel:Et(a)},{name:"Layers",panel:nt(a)},{name:"Relax",panel:gt(a)},{name:"Style",panel:kt(a)},{name:"History",panel:Qe(a)},{name:"\
 View",panel:Ct(a,h=>n({do:"forget",what:h}))}]);a.tool.on(()=>c("Tool")),At(a),yt(a,n),Xe(a,dt(a,l,new fe(a)));let u="";a.drawing.hello.on(h=>{
 if(h){u!==h.name&&(a.layer.value=a.region.value=null),u=h.name,a.tools.value=St(a,h.operations);for(let d of h.notes)o.note(d)}}),s.lost.on(
-h=>o.error(h)),Object.assign(window,{crowquill:{desk:a,painted:i}}),hr(a).finally(()=>s.connect())}async function hr(r){let e=await r.link.wire.
+h=>o.error(h)),Object.assign(window,{crowquill:{desk:a,painted:i}}),dr(a).finally(()=>s.connect())}async function dr(r){let e=await r.link.wire.
 get("libraries.json");e&&(r.libraries=JSON.parse(await e.text()))}var X=-1,Ot=128,_=class{constructor(e,t,n){this.side=n;this.columns=Math.max(1,Math.ceil(e/n)),this.rows=Math.max(1,Math.ceil(t/n)),this.head=
 new Int32Array(this.columns*this.rows).fill(X)}side;columns;rows;head;next=new Int32Array(1024);back=new Int32Array(1024);column(e){return Math.
 min(this.columns-1,Math.max(0,Math.floor(e/this.side)))}row(e){return Math.min(this.rows-1,Math.max(0,Math.floor(e/this.side)))}cell(e,t){return this.
@@ -428,13 +429,13 @@ s.column(e-o);u<=c+s.column(n+o);u++)if(a[u])return!0}return!1}settle(){this.sta
 for(let a=o.row(t);a<=o.row(i);a++)s.fill(1,a*o.columns+o.column(e),a*o.columns+o.column(n)+1)}touchAll(){this.stale.fill(1)}margin(e){let t=this.
 layers.find(n=>n.id===e)?.pen??0;return(this.reaches.get(e)??0)+500*t}touch(e){this.stale[this.changed.cell(this.items.x[e],this.items.y[e])]=
 1}gridOf(e){let t=this.grids.get(e);return t||this.grids.set(e,t=this.grid()),t}grid(){return new _(this.width,this.height,Math.max(this.width,
-this.height)/Ot)}},Ue=class{constructor(e,t){this.set=e;this.grid=t;let[n,i]=mr(e),o=new Uint32Array(t.columns*t.rows+1);this.cells(n,i,a=>o[a+
+this.height)/Ot)}},Ue=class{constructor(e,t){this.set=e;this.grid=t;let[n,i]=pr(e),o=new Uint32Array(t.columns*t.rows+1);this.cells(n,i,a=>o[a+
 1]++);for(let a=1;a<o.length;a++)o[a]+=o[a-1];this.start=o.slice(),this.pieces=new Uint32Array(this.start[this.start.length-1]),this.ends=new Uint32Array(
 this.pieces.length);let s=o;this.cells(n,i,(a,l)=>{this.pieces[s[a]]=n[l],this.ends[s[a]++]=i[l]})}set;grid;start;pieces;ends;within(e,t,n,i,o){
 let{grid:s,set:a}=this;for(let l=s.row(t);l<=s.row(i);l++)for(let c=s.column(e);c<=s.column(n);c++){let u=l*s.columns+c;for(let h=this.start[u];h<
 this.start[u+1];h++){let[d,p]=[2*this.pieces[h],2*this.ends[h]];o(a.xy[d],a.xy[d+1],a.xy[p],a.xy[p+1])}}}cells(e,t,n){let{grid:i,set:o}=this;
 for(let s=0;s<e.length;s++){let[a,l]=[1e3*o.xy[2*e[s]],1e3*o.xy[2*e[s]+1]],[c,u]=[1e3*o.xy[2*t[s]],1e3*o.xy[2*t[s]+1]];for(let h=i.row(Math.
-min(l,u));h<=i.row(Math.max(l,u));h++)for(let d=i.column(Math.min(a,c));d<=i.column(Math.max(a,c));d++)n(h*i.columns+d,s)}}};function mr(r){
+min(l,u));h<=i.row(Math.max(l,u));h++)for(let d=i.column(Math.min(a,c));d<=i.column(Math.max(a,c));d++)n(h*i.columns+d,s)}}};function pr(r){
 let e=[],t=[];for(let n=0;n+1<r.start.length;n++){let[i,o]=[r.start[n],r.start[n+1]];for(let s=i;s+1<o;s++)e.push(s),t.push(s+1);r.closed&&o-
 i>2&&(e.push(o-1),t.push(i))}return[Uint32Array.from(e),Uint32Array.from(t)]}var Y=class{width=0;height=0;left=0;top=0;sums=new Float32Array(4096);over(e,t,n,i){this.left=e,this.top=t,this.width=n,this.height=i;let o=(n+
 2)*i;o>this.sums.length?this.sums=new Float32Array(2*o):this.sums.fill(0,0,o)}fill(e,t){let n=t.x-this.left,i=t.y-this.top;for(let{xy:o}of e){
@@ -452,13 +453,13 @@ d,[g,v]=l<p?[l,p]:[p,l],y=Math.floor(g),k=Math.ceil(v),T=c*s+y;if(k<=y+1){let x=
 y),S=.5*x*K*K,C=v-k+1,I=.5*x*C*C;if(a[T]+=f*S,k===y+2)a[T+1]+=f*(1-S-I);else{let R=x*(1.5-(g-y));a[T+1]+=f*(R-S);for(let W=y+2;W<k-1;W++)a[c*
 s+W]+=f*x;let ee=R+(k-y-3)*x;a[c*s+k-1]+=f*(1-ee-I)}a[c*s+k]+=f*I}l=p}}bytes(e){let t=this.width*this.height,n=e&&e.length>=t?e:new Uint8Array(
 t),i=0;for(let o=0;o<this.height;o++){let s=0,a=o*(this.width+2);for(let l=0;l<this.width;l++)s+=this.sums[a+l],n[i++]=Math.min(1,Math.abs(s))*
-255+.5|0}return n}};var $t=6,Rt=48,ze=1/64,Ht=16,B=4,dr=24e6,we=new Y,Me=class{kept=new Map;bytes=0;of(e,t,n,i,o,s){let a=Math.round(Math.log2(Math.max(ze,i*e.reach)/
+255+.5|0}return n}};var $t=6,Rt=48,ze=1/64,Ht=16,B=4,fr=24e6,we=new Y,Me=class{kept=new Map;bytes=0;of(e,t,n,i,o,s){let a=Math.round(Math.log2(Math.max(ze,i*e.reach)/
 ze)*Rt),l=ze*2**(a/Rt),c=Math.max(1,Math.ceil(l*13)),u=Math.round(o/(2*Math.PI)*c)%c,[h,d]=[Math.min(B-1,Math.floor(t*B)),Math.min(B-1,Math.
 floor(n*B))],p=Math.round(s*Ht),f=Kt(this.kept,p,()=>new Map),g=Kt(f,e,()=>new Map),v=(a*256+u)*B*B+d*B+h,y=g.get(v);if(y)return y;let k={x:(h+
-.5)/B,y:(d+.5)/B},T=pr(e,k.x,k.y,l/e.reach,u/c*2*Math.PI,p/Ht);return this.bytes+=T.values.length+100,this.bytes>dr?this.clear():g.set(v,T),
-T}clear(){this.kept.clear(),this.bytes=0}};function pr(r,e,t,n,i,o){let s=Math.ceil(r.reach*n+o/2+1),a=2*s+1;we.over(-s,-s,a,a);let l={x:e,y:t,
+.5)/B,y:(d+.5)/B},T=gr(e,k.x,k.y,l/e.reach,u/c*2*Math.PI,p/Ht);return this.bytes+=T.values.length+100,this.bytes>fr?this.clear():g.set(v,T),
+T}clear(){this.kept.clear(),this.bytes=0}};function gr(r,e,t,n,i,o){let s=Math.ceil(r.reach*n+o/2+1),a=2*s+1;we.over(-s,-s,a,a);let l={x:e,y:t,
 cos:n*Math.cos(i),sin:n*Math.sin(i)};return o>0?we.stroke(r.rings(n),l,o):we.fill(r.rings(n),l),{left:-s,top:-s,width:a,height:a,values:we.bytes()}}
-function Kt(r,e,t){let n=r.get(e);return n===void 0&&r.set(e,n=t()),n}var b=256,br=2*Math.PI/65536,Q=class{values=new Uint8Array(b*b);left=b;top=b;right=0;bottom=0;get touched(){return this.left<this.right}clear(){
+function Kt(r,e,t){let n=r.get(e);return n===void 0&&r.set(e,n=t()),n}var b=256,yr=2*Math.PI/65536,Q=class{values=new Uint8Array(b*b);left=b;top=b;right=0;bottom=0;get touched(){return this.left<this.right}clear(){
 for(let e=this.top;e<this.bottom;e++)this.values.fill(0,e*b+this.left,e*b+this.right);this.left=this.top=b,this.right=this.bottom=0}touch(e,t,n,i){
 e<this.left&&(this.left=e),t<this.top&&(this.top=t),n>this.right&&(this.right=n),i>this.bottom&&(this.bottom=i)}blend(e,t,n,i,o){let[s,a]=[Math.
 max(0,-t),Math.min(i,b-t)],[l,c]=[Math.max(0,-n),Math.min(o,b-n)];if(s>=a||l>=c)return;this.touch(t+s,n+l,t+a,n+c);let{values:u}=this;for(let h=l;h<
@@ -473,22 +474,22 @@ lay(this.selected,o.selected)}for(let c of e.lines.values())c.within(a,l,a+b*s,l
 b)),this.lay(this.ink,o.lines);return this.image}layer(e,t,n,i,o,s){let{items:a}=e,l=i/1e3;for(let c=0;c<n;c++){let u=this.found.ids[c],h=e.
 kinds.get(a.kind[u]);if(!h)continue;let[d,p,f]=[a.x[u]*l-o,a.y[u]*l-s,a.scale[u]*l],g=t.pen===null?h.closed?0:1:Math.max(t.pen*i,.1),v=h.reach*
 f,y=v+g/2+1;if(d+y<0||p+y<0||d-y>=b||p-y>=b)continue;let k=a.flags[u],T=a.fill[u],x=k&1?this.selected:k&2?this.frozen:this.ink,K=T>=16777216&&
-x===this.ink;K&&this.lay(this.ink,t.rgb);let S=a.turn[u]*br;if(v<=$t){let[C,I]=[Math.floor(d),Math.floor(p)],R=this.sprites.of(h,d-C,p-I,f,S,
+x===this.ink;K&&this.lay(this.ink,t.rgb);let S=a.turn[u]*yr;if(v<=$t){let[C,I]=[Math.floor(d),Math.floor(p)],R=this.sprites.of(h,d-C,p-I,f,S,
 g);x.blend(R.values,C+R.left,I+R.top,R.width,R.height)}else{let[C,I]=[Math.max(0,Math.floor(d-y)),Math.max(0,Math.floor(p-y))],[R,ee]=[Math.
 min(b,Math.ceil(d+y)),Math.min(b,Math.ceil(p+y))];this.coverage.over(C,I,R-C,ee-I);let W={x:d,y:p,cos:f*Math.cos(S),sin:f*Math.sin(S)};g>0?this.
 coverage.stroke(h.rings(f),W,g):this.coverage.fill(h.rings(f),W),this.patch=this.coverage.bytes(this.patch),x.blend(this.patch,C,I,R-C,ee-I)}
 K&&this.lay(this.ink,[T>>16&255,T>>8&255,T&255])}}lay(e,t){if(!e.touched)return;let{data:n}=this.image,[i,o,s]=t,{values:a}=e;for(let l=e.top;l<
 e.bottom;l++)for(let c=l*b+e.left;c<l*b+e.right;c++){let u=a[c];if(!u)continue;let h=4*c,p=n[h+3]*(255-u)/255,f=u+p;n[h]=(i*u+n[h]*p)/f,n[h+
-1]=(o*u+n[h+1]*p)/f,n[h+2]=(s*u+n[h+2]*p)/f,n[h+3]=f}e.clear()}};var vr={tone:r=>[32,32,32,r],importance:r=>r>127?[120,30,170,Math.min(255,(r-127)*2)]:[0,120,60,(127-r)*2]},xe=class{images=new Map;size=[1,
-1];art=[0,0,1,1];show(e,t){this.images.delete(e),t&&this.images.set(e,yr(t))}forgetMaps(){this.images.delete("tone"),this.images.delete("imp\
+1]=(o*u+n[h+1]*p)/f,n[h+2]=(s*u+n[h+2]*p)/f,n[h+3]=f}e.clear()}};var wr={tone:r=>[32,32,32,r],importance:r=>r>127?[120,30,170,Math.min(255,(r-127)*2)]:[0,120,60,(127-r)*2]},xe=class{images=new Map;size=[1,
+1];art=[0,0,1,1];show(e,t){this.images.delete(e),t&&this.images.set(e,Mr(t))}forgetMaps(){this.images.delete("tone"),this.images.delete("imp\
 ortance")}take(e){let t=this.images.get(e.map)?.[0],i=t instanceof OffscreenCanvas&&t.width===e.columns&&t.height===e.rows?t:new OffscreenCanvas(
-e.columns,e.rows),o=new ImageData(e.width,e.height);for(let f=0;f<e.values.length;f++)o.data.set(vr[e.map](e.values[f]),4*f);i.getContext("2\
+e.columns,e.rows),o=new ImageData(e.width,e.height);for(let f=0;f<e.values.length;f++)o.data.set(wr[e.map](e.values[f]),4*f);i.getContext("2\
 d").putImageData(o,e.left,e.top),this.images.set(e.map,[i]);let[s,a,l,c]=this.art.map(f=>f*1e3),[u,h]=[l/e.columns,c/e.rows],[d,p]=[s+(e.left-
 1)*u,a+(e.top-1)*h];return[d,p,d+(e.width+2)*u,p+(e.height+2)*h]}draw(e,t,n,i,o,s){let[a,l]=this.size;e.fillStyle=o.paper,e.fillRect(-n,-i,a*
 t,l*t),this.lay(e,o.under,this.art,t,n,i,o.opacity);for(let c of s)c.kind==="still"&&!c.hidden&&this.lay(e,c.id,[0,0,a,l],t,n,i,1)}lay(e,t,n,i,o,s,a){
 let l=this.images.get(t);if(!l||!a)return;let c=n[2]*i,u=l.findLast(h=>h.width>=c)??l[0];e.globalAlpha=a,e.imageSmoothingEnabled=c<8*u.width,
-e.drawImage(u,n[0]*i-o,n[1]*i-s,c,n[3]*i),e.globalAlpha=1}};function yr(r){let e=[r];for(let t=r;Math.min(t.width,t.height)>128;){let n=new OffscreenCanvas(
-Math.ceil(t.width/2),Math.ceil(t.height/2));n.getContext("2d").drawImage(t,0,0,n.width,n.height),e.push(t=n)}return e}var wr=14,Mr=70,kr=240,We=class{scene=new ye;underlay=new xe;tilePainter=new ke;marks=new OffscreenCanvas(b,b);whole=new OffscreenCanvas(b,b);canvas=null;look=null;view={
+e.drawImage(u,n[0]*i-o,n[1]*i-s,c,n[3]*i),e.globalAlpha=1}};function Mr(r){let e=[r];for(let t=r;Math.min(t.width,t.height)>128;){let n=new OffscreenCanvas(
+Math.ceil(t.width/2),Math.ceil(t.height/2));n.getContext("2d").drawImage(t,0,0,n.width,n.height),e.push(t=n)}return e}var kr=14,xr=70,Er=240,We=class{scene=new ye;underlay=new xe;tilePainter=new ke;marks=new OffscreenCanvas(b,b);whole=new OffscreenCanvas(b,b);canvas=null;look=null;view={
 scale:1,x:0,y:0};tiles={scale:0,all:new Map};before=null;zoomed=0;asked=!1;frames=0;coming=0;missing=0;revision=0;shown=0;take(e){switch(e.do){case"\
 canvas":this.canvas=e.canvas;break;case"begin":this.scene.begin(...e.size),[this.underlay.size,this.underlay.art]=[e.size,e.art];break;case"\
 state":e.reset&&(this.scene.reset(),this.underlay.forgetMaps()),this.scene.know(e.kinds),this.scene.list(e.layers),this.coming=e.revision,this.
@@ -498,8 +499,8 @@ forget(e.what)}this.ask()}receive(e){let t=se(e);if(t.type==="raster")for(let n 
 this.scene.take(t);t.type!=="lines"&&(this.missing--,this.arrive())}arrive(){this.missing<=0&&(this.revision=this.coming)}see(e,t,n){this.canvas&&
 (this.canvas.width!==t||this.canvas.height!==n)&&([this.canvas.width,this.canvas.height]=[t,n]),e.scale!==this.view.scale&&(this.zoomed=performance.
 now()),this.view=e}ask(){this.asked||(this.asked=!0,requestAnimationFrame(()=>this.frame()))}frame(){this.asked=!1;let e=this.canvas?.getContext(
-"2d",{alpha:!1});if(!e||!this.look)return;let t=performance.now(),n=t-this.zoomed>Mr||!this.tiles.all.size;n&&this.tiles.scale!==this.view.scale&&
-this.change(),this.mark();let i=n?this.make(t+wr):1;this.draw(e),i?this.ask():(this.before=Nt(this.before),this.shown=this.revision),this.frames++;
+"2d",{alpha:!1});if(!e||!this.look)return;let t=performance.now(),n=t-this.zoomed>xr||!this.tiles.all.size;n&&this.tiles.scale!==this.view.scale&&
+this.change(),this.mark();let i=n?this.make(t+kr):1;this.draw(e),i?this.ask():(this.before=Nt(this.before),this.shown=this.revision),this.frames++;
 let o=performance.now(),s={revision:this.shown,frames:this.frames,cost:o-t,at:performance.timeOrigin+o};postMessage(s)}change(){[...this.tiles.
 all.values()].some(t=>t.bitmap)&&(Nt(this.before),this.before=this.tiles),this.tiles={scale:this.view.scale,all:new Map}}mark(){let e=b*1e3/
 this.tiles.scale;for(let t of this.tiles.all.values()){if(!t.fresh)continue;let[n,i]=[t.column*e,t.row*e];t.fresh=!this.scene.changedWithin(
@@ -511,7 +512,7 @@ willReadFrequently:!0});s.clearRect(0,0,b,b),this.underlay.draw(s,t,n,i,this.loo
 e.bitmap=this.whole.transferToImageBitmap(),e.fresh=!0}inSight(){let{view:e,tiles:t,canvas:n,scene:i}=this;if(t.scale!==e.scale)return[];let o=(a,l,c)=>Math.
 floor(Math.min(a/1e3*e.scale+8,l-c)/b),s=[];for(let a=Math.max(-1,Math.floor(-e.y/b));a<=o(i.height,n.height,e.y);a++)for(let l=Math.max(-1,
 Math.floor(-e.x/b));l<=o(i.width,n.width,e.x);l++){let c=(a+1)*1e6+l+1,u=t.all.get(c);u||t.all.set(c,u={column:l,row:a,bitmap:null,fresh:!1}),
-s.push(u)}return s}forget(){if(this.tiles.all.size<=kr)return;let e=new Set(this.inSight());for(let[t,n]of this.tiles.all)e.has(n)||(n.bitmap?.
+s.push(u)}return s}forget(){if(this.tiles.all.size<=Er)return;let e=new Set(this.inSight());for(let[t,n]of this.tiles.all)e.has(n)||(n.bitmap?.
 close(),this.tiles.all.delete(t))}draw(e){let{view:t,look:n,scene:i}=this,{width:o,height:s}=e.canvas;e.fillStyle=n.desk,e.fillRect(0,0,o,s);
 let[a,l]=[Math.round(t.x),Math.round(t.y)];e.fillStyle=n.paper,e.fillRect(a,l,i.width/1e3*t.scale,i.height/1e3*t.scale);for(let c of[this.before,
 this.tiles]){if(!c)continue;let u=t.scale/c.scale,h=b*u;for(let{column:d,row:p,bitmap:f}of c.all.values()){let[g,v]=[a+d*h,l+p*h];!f||g>=o||
