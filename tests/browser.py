@@ -25,6 +25,7 @@ FLAGS = [
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
     "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
+BESIDE = "#overlay, #across, #down, #ring, #status, #messages"  # what lies over the drawing
 COLUMNS = """() => {
   const { items } = crowquill.desk.drawing, id = [];
   for (let k = 0; k < items.end; k++) if (items.layer[k]) id.push(k);
@@ -151,7 +152,7 @@ class Editor:
     def ink(self, window: Window, scale: float) -> Array:
         """How dark each pixel of a window of the paper is on the screen, 0 to 1, at px to the mm; nothing but the drawing is shown."""
         self.show(window.x, window.y, scale)
-        hide = "(how) => document.querySelectorAll('#overlay, #ring, #status, #messages').forEach((e) => { e.style.visibility = how; })"
+        hide = f"(how) => document.querySelectorAll('{BESIDE}').forEach((e) => {{ e.style.visibility = how; }})"
         self.page.evaluate(hide, "hidden")
         x, y = self.screen(window.x, window.y)
         clip = {"x": x, "y": y, "width": window.width * scale, "height": window.height * scale}

@@ -11,6 +11,7 @@ export class Overlay {
   private readonly canvas = byId<HTMLCanvasElement>("overlay");
   private readonly ring = byId("ring");
   private readonly cross = byId("cross");
+  private readonly notches = [byId("across"), byId("down")] as const; // where the pointer is, on the rulers
   private pointer: [number, number] | null = null;
   private asked = false;
 
@@ -27,8 +28,7 @@ export class Overlay {
     this.pointer = place;
     this.cross.hidden = !(place && byKeys);
     if (place) this.cross.style.transform = `translate(${place[0]}px, ${place[1]}px)`;
-    this.rim();
-    this.ask();
+    this.follow();
   }
 
   ask(): void {
@@ -37,8 +37,12 @@ export class Overlay {
     requestAnimationFrame(() => this.draw());
   }
 
-  // The rim of the brush, as an element of its own: moving it draws nothing anew.
-  private rim(): void {
+  // The rim of the brush and the notches on the rulers, as elements of their own: moving them draws nothing anew.
+  private follow(): void {
+    const [across, down] = this.notches;
+    across.hidden = down.hidden = !(this.pointer && this.desk.appearance.rulers.value);
+    if (this.pointer) across.style.transform = `translateX(${this.pointer[0]}px)`;
+    if (this.pointer) down.style.transform = `translateY(${this.pointer[1]}px)`;
     const { tool, settings, viewport } = this.desk;
     const one = tool.value;
     const shown = this.pointer && one?.ring && one.operation;
@@ -53,7 +57,7 @@ export class Overlay {
 
   private draw(): void {
     this.asked = false;
-    this.rim();
+    this.follow();
     const { canvas, desk } = this;
     const { viewport, drawing, appearance } = desk;
     if (canvas.width !== viewport.width || canvas.height !== viewport.height) [canvas.width, canvas.height] = [viewport.width, viewport.height];
@@ -64,7 +68,7 @@ export class Overlay {
     if (appearance.guides.value) this.guides(context);
     this.outlines(context);
     const inks = { ground: appearance.colour("panel"), stroke: appearance.colour("ruler"), text: appearance.colour("muted") };
-    if (appearance.rulers.value) drawRulers(context, viewport, this.pointer, inks);
+    if (appearance.rulers.value) drawRulers(context, viewport, inks);
   }
 
   // The wall, the region, the selection's handles and the gesture: each first in white and wider, so that they show on ink too.

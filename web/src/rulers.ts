@@ -18,7 +18,7 @@ export function step(least: number): number {
   return [1, 2, 5, 10].map((k) => k * ten).find((mm) => mm >= least * 0.999)!;
 }
 
-export function drawRulers(context: CanvasRenderingContext2D, viewport: Viewport, pointer: [number, number] | null, inks: Inks): void {
+export function drawRulers(context: CanvasRenderingContext2D, viewport: Viewport, inks: Inks): void {
   const [width, height] = [viewport.width / viewport.ratio, viewport.height / viewport.ratio];
   context.fillStyle = inks.ground;
   context.fillRect(0, 0, width, WIDE);
@@ -37,14 +37,6 @@ export function drawRulers(context: CanvasRenderingContext2D, viewport: Viewport
   context.fillRect(0, 0, WIDE, WIDE);
   context.fillStyle = inks.text;
   context.fillText("mm", 2, 12);
-  if (!pointer) return;
-  context.strokeStyle = inks.text;
-  context.beginPath();
-  context.moveTo(Math.round(pointer[0]) + 0.5, 0);
-  context.lineTo(Math.round(pointer[0]) + 0.5, WIDE);
-  context.moveTo(0, Math.round(pointer[1]) + 0.5);
-  context.lineTo(WIDE, Math.round(pointer[1]) + 0.5);
-  context.stroke();
 }
 
 function ruler(context: CanvasRenderingContext2D, viewport: Viewport, length: number, inks: Inks, down: boolean): void {

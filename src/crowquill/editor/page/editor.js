@@ -1,20 +1,20 @@
-"use strict";(()=>{var P=class{listeners=new Set;on(e){this.listeners.add(e)}say(e){for(let t of[...this.listeners])t(e)}},L=class{constructor(e){this.now=e}now;changed=new P;get value(){
+"use strict";(()=>{var P=class{listeners=new Set;on(e){this.listeners.add(e)}say(e){for(let t of[...this.listeners])t(e)}},T=class{constructor(e){this.now=e}now;changed=new P;get value(){
 return this.now}set value(e){Object.is(e,this.now)||(this.now=e,this.changed.say(e))}on(e){e(this.now),this.changed.on(e)}};function z(r,e){
-let t=`crowquill ${r}`,n=new L(e);try{let i=JSON.parse(localStorage.getItem(t)??"null");typeof i==typeof e&&(n.value=i)}catch{}return n.on(i=>{
-try{localStorage.setItem(t,JSON.stringify(i))}catch{}}),n}var Wt=.5,te=class{theme=z("theme","system");under=z("under","picture");instead=new L(null);opacity=z("opacity",.25);rulers=z("rulers",!0);guides=z(
+let t=`crowquill ${r}`,n=new T(e);try{let i=JSON.parse(localStorage.getItem(t)??"null");typeof i==typeof e&&(n.value=i)}catch{}return n.on(i=>{
+try{localStorage.setItem(t,JSON.stringify(i))}catch{}}),n}var Vt=.5,te=class{theme=z("theme","system");under=z("under","picture");instead=new T(null);opacity=z("opacity",.25);rulers=z("rulers",!0);guides=z(
 "guides",!0);keys=z("keys",!0);changed=new P;constructor(){let e=matchMedia("(prefers-color-scheme: dark)"),t=()=>{let n=this.theme.value===
 "dark"||this.theme.value==="system"&&e.matches;document.documentElement.dataset.theme=n?"dark":"light",this.changed.say()};this.theme.on(t),
 e.addEventListener("change",t);for(let n of[this.under,this.instead,this.opacity,this.rulers,this.guides])n.on(()=>this.changed.say())}flip(){
 this.theme.value=document.documentElement.dataset.theme==="dark"?"light":"dark"}colour(e){return getComputedStyle(document.documentElement).
 getPropertyValue(`--${e}`).trim()}get look(){let{instead:e,under:t,opacity:n}=this,i={selected:Ee(this.colour("selected")),frozen:Ee(this.colour(
 "frozen")),lines:Ee(this.colour("lines"))};return{...{desk:this.colour("desk"),paper:"#fff",tints:i,under:e.value??t.value},opacity:e.value?
-Math.max(n.value,Wt):n.value}}};function Ee(r){let e=parseInt(r.slice(1),16);return[e>>16&255,e>>8&255,e&255]}function m(r,e={},...t){let n=document.createElement(r);return H(n,e),n.append(...t.filter(i=>i!=null&&i!==!1)),n}function H(r,e){for(let[t,
+Math.max(n.value,Vt):n.value}}};function Ee(r){let e=parseInt(r.slice(1),16);return[e>>16&255,e>>8&255,e&255]}function m(r,e={},...t){let n=document.createElement(r);return H(n,e),n.append(...t.filter(i=>i!=null&&i!==!1)),n}function H(r,e){for(let[t,
 n]of Object.entries(e))typeof n=="function"?r.addEventListener(t,n):n==null||n===!1?r.removeAttribute(t):r.setAttribute(t,n===!0?"":String(n))}
-var Vt=0;function E(r){return`${r}-${++Vt}`}function w(r){let e=document.getElementById(r);if(!e)throw new Error(`the page has no element ${r}`);
-return e}function V(r){let e=document.createElementNS("http://www.w3.org/2000/svg","svg");H(e,{viewBox:"0 0 16 16",class:"icon","aria-hidden":"\
+var Wt=0;function E(r){return`${r}-${++Wt}`}function w(r){let e=document.getElementById(r);if(!e)throw new Error(`the page has no element ${r}`);
+return e}function W(r){let e=document.createElementNS("http://www.w3.org/2000/svg","svg");H(e,{viewBox:"0 0 16 16",class:"icon","aria-hidden":"\
 true"});let t=document.createElementNS("http://www.w3.org/2000/svg","path");return H(t,{d:r}),e.append(t),e}function U(r,e,t,n={}){return m(
-"button",{type:"button",class:"icon-button","aria-label":e,title:e,click:t,...n},V(r))}function M(r,e,t={}){return m("button",{type:"button",
-click:e,...t},r)}var A=(r,e,t)=>`M${r-t} ${e}a${t} ${t} 0 1 0 ${2*t} 0a${t} ${t} 0 1 0 ${-2*t} 0`,D={pick:"M4 2.5 12.5 8 8.7 8.9 6.6 12.6Z",rectangle:"M2.5 5\
+"button",{type:"button",class:"icon-button","aria-label":e,title:e,click:t,...n},W(r))}function M(r,e,t={}){return m("button",{type:"button",
+click:e,...t},r)}var A=(r,e,t)=>`M${r-t} ${e}a${t} ${t} 0 1 0 ${2*t} 0a${t} ${t} 0 1 0 ${-2*t} 0`,C={pick:"M4 2.5 12.5 8 8.7 8.9 6.6 12.6Z",rectangle:"M2.5 5\
 .5v-2h2M11.5 3.5h2v2M13.5 10.5v2h-2M4.500 12.500h-2v-2M7 3.500h2M7 12.500h2M2.500 7.300v1.400M13.500 7.300v1.400",lasso:"M8 3c3.500 0 5.800 \
 1.500 5.800 3.600S11.500 10 8 10 2.300 8.700 2.300 6.600 4.500 3 8 3ZM5.300 9.600c-1 .6-1 2 .2 2.200s1.700-.8 1-1.900M5.500 11.800c.4 1 .2 1\
 .700-.5 2","select brush":`${A(8,8,5.5)}M8 5.500v5M5.500 8h5`,insert:`${A(4,11.5,1.5)}${A(9.5,12,1)}${A(6.5,6.5,1)}M12 2.500v6M9 5.500h6`,erase:"\
@@ -34,7 +34,7 @@ h5",pan:"M8 1.800v12.400M1.800 8h12.400M6 3.800l2-2 2 2M6 12.200l2 2 2-2M3.800 6
 M4 4h8v8H4Z",step:"M4 3l6 5-6 5ZM12.500 3v10",file:"M4 2h5.500L13 5.500V14H4ZM9 2v4h4",export:"M8 10V2M5 4.500 8 1.500l3 3M3 9v5h10V9",help:"\
 M5.500 6a2.500 2.500 0 1 1 3.600 2.200C8.200 8.700 8 9.200 8 10M8 12.600v.3",theme:`${A(8,8,3)}M8 1v1.500M8 13.500V15M1 8h1.500M13.500 8H15M\
 3 3l1 1M12 12l1 1M13 3l-1 1M4 12l-1 1`,cancel:"M4 4l8 8M12 4l-8 8",fit:"M2.500 6V2.500H6M10 2.500h3.500V6M13.500 10v3.500H10M6 13.500H2.500V\
-10"};function F(r,...e){let t=E("dialog"),n=()=>o.close(),i=m("header",{},m("h2",{id:t},r),U(D.cancel,"Close",n)),o=m("dialog",{"aria-labelledby":t},
+10"};function F(r,...e){let t=E("dialog"),n=()=>o.close(),i=m("header",{},m("h2",{id:t},r),U(C.cancel,"Close",n)),o=m("dialog",{"aria-labelledby":t},
 i,m("div",{class:"dialog-body"},...e)),s=document.activeElement;return o.addEventListener("close",()=>{o.remove(),s instanceof HTMLElement&&
 s.focus()}),o.addEventListener("click",a=>a.target===o&&n()),document.body.append(o),o.showModal(),o}var ne=1e3,Ft=15,Gt=100;function re(r,e,t,n={}){return r.name==="glyph"?_t(r,e,t,n):r.kind==="flag"?jt(r,e,t):r.kind==="choice"?Zt(r,e,t):r.
 kind==="range"?Yt(r,e,t):Xt(r,e,t)}var Fe={pdfx:"PDF/X",pdfa:"PDF/A",icc:"ICC profile",dpi:"DPI"};function $(r){if(Fe[r])return Fe[r];let e=r.
@@ -63,7 +63,7 @@ on",{type:"button","aria-pressed":String(f),"aria-label":`${h} ${d}`,click:g},Qt
 value||null)});let u=m("div",{},ie(r,i,s),a);return J(u,e,l)}function Qt(r){let e=document.createElementNS("http://www.w3.org/2000/svg","svg"),
 t=document.createElementNS("http://www.w3.org/2000/svg","path");return e.setAttribute("viewBox",[-1,-1,2,2].map(n=>1e3*n*r.reach).join(" ")),
 e.classList.toggle("lines",!r.closed),e.setAttribute("aria-hidden","true"),t.setAttribute("d",r.d),e.append(t),e}function J(r,e,t){return t(
-e),{element:r,show:t}}var en=/\.(pdf|svg)$/,tn=["svg","pdf"];function Te(r){let e=r.drawing.hello.value;if(!e)return;let t=m("input",{type:"text",id:E("export"),value:`${e.
+e),{element:r,show:t}}var en=/\.(pdf|svg)$/,tn=["svg","pdf"];function Le(r){let e=r.drawing.hello.value;if(!e)return;let t=m("input",{type:"text",id:E("export"),value:`${e.
 name.replace(/\.[^.]*$/,"")}-edited`,required:!0,spellcheck:"false"}),n=new Map,i=m("div",{class:"knobs"}),o=Object.keys(e.formats).map(h=>{
 let d=m("input",{type:"checkbox",id:E("format"),value:h,checked:tn.includes(h),change:()=>a()});return{format:h,box:d,element:m("span",{class:"\
 chip"},d,m("label",{for:d.id},h))}}),s=()=>o.filter(h=>h.box.checked).map(h=>h.format),a=()=>i.replaceChildren(...Ge(e,s()).map(h=>re(h,n.get(
@@ -85,15 +85,15 @@ Element&&r.target.matches(sn)||(r.preventDefault(),t.run(e))}var Ze=[["Wheel","P
 ; so does the middle button"],["Alt and a brush","The other way round: smaller, turned back, thawed"],["Shift, Alt and a selection","Add to \
 it, take from it"],["Arrows on the canvas","Move the pointer by 1 mm, with Shift by 10"],["Enter on the canvas","Press the tool where the po\
 inter is"]];function qe(r,e){let t=e.map(s=>[s.shown??s.keys.slice(0,2).map(ln).join(" or "),s.about]),n=Math.ceil(t.length/2+Ze.length/2),i=m(
-"p",{class:"help"},`crowquill ${r.drawing.hello.value?.version??""}`),o=m("div",{class:"stack"},Le("More keys",t.slice(n)),Le("Pointer and p\
-en",Ze),i);F("Keys",m("div",{class:"help-sheet"},Le("Keys",t.slice(0,n)),o)).classList.add("wide-dialog")}function Le(r,e){let t=e.map(([n,i])=>m(
+"p",{class:"help"},`crowquill ${r.drawing.hello.value?.version??""}`),o=m("div",{class:"stack"},Te("More keys",t.slice(n)),Te("Pointer and p\
+en",Ze),i);F("Keys",m("div",{class:"help-sheet"},Te("Keys",t.slice(0,n)),o)).classList.add("wide-dialog")}function Te(r,e){let t=e.map(([n,i])=>m(
 "tr",{},m("th",{scope:"row"},m("kbd",{},n)),m("td",{},i)));return m("table",{},m("caption",{},r),m("tbody",{},...t))}function ln(r){return r.
 split(/\+(?=.)/).map(e=>e.length===1?e.toUpperCase():e).join(" ")}async function Ae(r){let e=await r.ask({do:"files"});if(!e)return;let t=e.facts.files??[],n=async s=>{o.close(),await r.ask({do:"open",file:s})&&
 r.messages.note(`${s} is open; every tab shows it.`)},i=m("ul",{class:"files"},...t.map(s=>m("li",{},M(s,()=>{n(s)})))),o=F("Open",t.length?
 i:m("p",{},"There is nothing else in the folder that can be opened."))}var cn=96/25.4;function Xe(r,e){let t=()=>[...un(r),...hn(r),...mn(r),...dn(r),...pn(r,e,n)],n=()=>qe(r,t());r.tools.on(o=>{o.length&&Je(t(),
-r.appearance.keys)});let i=[["undo",()=>{r.ask({do:"undo"})}],["redo",()=>{r.ask({do:"redo"})}],["open",()=>{Ae(r)}],["export",()=>Te(r)],["\
+r.appearance.keys)});let i=[["undo",()=>{r.ask({do:"undo"})}],["redo",()=>{r.ask({do:"redo"})}],["open",()=>{Ae(r)}],["export",()=>Le(r)],["\
 theme",()=>r.appearance.flip()],["help",n],["fit",()=>r.viewport.all()],["zoom",()=>r.viewport.set(cn*r.viewport.ratio)]];for(let[o,s]of i)w(
-o).addEventListener("click",s),w(o).classList.contains("icon-button")&&w(o).replaceChildren(V(D[o]));r.drawing.state.on(o=>{for(let[s,a,l,c]of[
+o).addEventListener("click",s),w(o).classList.contains("icon-button")&&w(o).replaceChildren(W(C[o]));r.drawing.state.on(o=>{for(let[s,a,l,c]of[
 ["undo",o?.undo,"Undo","Ctrl Z"],["redo",o?.redo,"Do again","Ctrl Shift Z"]])w(s).disabled=!a?.length,w(s).title=`${l}${a?.[0]?`: ${a[0]}`:""}\
  (${c})`})}function un(r){return r.tools.value.filter(t=>t.key).map(t=>({keys:[t.key],about:t.title,run:()=>r.tool.value=t}))}function hn(r){
 let e=()=>!!r.drawing.state.value?.selected,t=i=>()=>{r.apply("select",{by:i})},n=i=>()=>{let o=r.operation("relax");o&&r.apply("relax",{...r.
@@ -108,9 +108,9 @@ let{viewport:e}=r;return[{keys:["+","="],about:"Closer",run:()=>e.zoom(1.25)},{k
 me"],about:"The whole paper",run:()=>e.all()},{keys:["z"],about:"What is selected, as large as it goes",run:()=>{let n=r.drawing.selection();
 n&&e.fit(n)}}]}function pn(r,e,t){return[{keys:["Escape"],about:"Give up the stroke, stop the work, or select nothing",run:()=>{let{busy:i,selected:o}=r.
 drawing.state.value??{};e.busy?e.cancel():i?r.ask({do:"stop"}):r.region.value?r.region.value=null:o&&r.apply("select",{by:"none"})}},{keys:[
-"Ctrl+o"],about:"Open",run:()=>{Ae(r)}},{keys:["Ctrl+s"],about:"Export",run:()=>Te(r)},{keys:["Shift+d"],about:"Light or dark",run:()=>r.appearance.
-flip()},{keys:["?"],about:"This sheet",run:t}]}var oe=class{constructor(e,t,n,i,o,s){this.link=e;this.drawing=t;this.settings=n;this.viewport=i;this.messages=o;this.appearance=s}link;drawing;settings;viewport;messages;appearance;layer=new L(
-null);tools=new L([]);tool=new L(null);region=new L(null);libraries={};group=0;operation(e){return this.drawing.hello.value?.operations.find(
+"Ctrl+o"],about:"Open",run:()=>{Ae(r)}},{keys:["Ctrl+s"],about:"Export",run:()=>Le(r)},{keys:["Shift+d"],about:"Light or dark",run:()=>r.appearance.
+flip()},{keys:["?"],about:"This sheet",run:t}]}var oe=class{constructor(e,t,n,i,o,s){this.link=e;this.drawing=t;this.settings=n;this.viewport=i;this.messages=o;this.appearance=s}link;drawing;settings;viewport;messages;appearance;layer=new T(
+null);tools=new T([]);tool=new T(null);region=new T(null);libraries={};group=0;operation(e){return this.drawing.hello.value?.operations.find(
 t=>t.name===e)}newGroup(){return this.group=Math.max(this.group+1,Date.now())}async apply(e,t,n={}){return this.ask({do:"apply",op:e,params:t,
 ...n})}async ask(e){try{let t=await this.link.ask(e);for(let n of t.notes??[])this.messages.note(n);return t}catch(t){return this.messages.error(
 t.message),null}}ofLayer(e){let t=this.layer.value;return t!==null&&e.knobs.some(n=>n.name==="layer")?{layer:t}:{}}};var G=class{count=0;end=0;layer=new Uint32Array(1024);x=new Int32Array(1024);y=new Int32Array(1024);scale=new Uint32Array(1024);turn=new Uint16Array(
@@ -127,27 +127,27 @@ n=this.flats.get(t);return n||this.flats.set(t,n=this.paths.map(i=>Mn(i,Math.min
 map(c=>c[1]??Number(c[2])/bn),n=[],i=null,[o,s]=[0,0],a=null,l="";for(let c=0;c<t.length;){typeof t[c]=="string"&&(l=t[c++]);let u=l.toUpperCase(),
 h=gn[u];if(h===void 0)throw new Error(`path data with ${l||"no command"}`);let d=l!==u,p=t.slice(c,c+h);if(c+=h,u==="Z"){i&&([i.closed,[o,s]]=
 [!0,i.from]),l=d?"m":"M",a=null;continue}if(d&&u!=="H"&&u!=="V")for(let y=0;y<h;y++)p[y]+=y%2?s:o;if(u==="M"||!i){i={from:[p[0],p[1]],pieces:[],
-closed:e},n.push(i),[o,s]=i.from,l=d?"l":"L";continue}let f=(y,k)=>{i.pieces.push({to:[o=y,s=k]}),a=null},g=(y,k,T,x,K,S)=>{i.pieces.push({cubic:[
-y,k,T,x,K,S]}),[o,s]=[K,S]},v=a?[2*o-a[0],2*s-a[1]]:[o,s];if(u==="L")f(p[0],p[1]);else if(u==="H")f(d?o+p[0]:p[0],s);else if(u==="V")f(o,d?s+
+closed:e},n.push(i),[o,s]=i.from,l=d?"l":"L";continue}let f=(y,k)=>{i.pieces.push({to:[o=y,s=k]}),a=null},g=(y,k,L,x,K,S)=>{i.pieces.push({cubic:[
+y,k,L,x,K,S]}),[o,s]=[K,S]},v=a?[2*o-a[0],2*s-a[1]]:[o,s];if(u==="L")f(p[0],p[1]);else if(u==="H")f(d?o+p[0]:p[0],s);else if(u==="V")f(o,d?s+
 p[0]:p[0]);else if(u==="C")g(p[0],p[1],p[2],p[3],p[4],p[5]),a=[p[2],p[3]];else if(u==="S")g(v[0],v[1],p[0],p[1],p[2],p[3]),a=[p[0],p[1]];else{
-let[y,k]=u==="Q"?[p[0],p[1]]:v,[T,x]=u==="Q"?[p[2],p[3]]:[p[0],p[1]];g(o+2/3*(y-o),s+2/3*(k-s),T+2/3*(y-T),x+2/3*(k-x),T,x),a=[y,k]}}return n}
+let[y,k]=u==="Q"?[p[0],p[1]]:v,[L,x]=u==="Q"?[p[2],p[3]]:[p[0],p[1]];g(o+2/3*(y-o),s+2/3*(k-s),L+2/3*(y-L),x+2/3*(k-x),L,x),a=[y,k]}}return n}
 function Mn(r,e){let t=[...r.from];for(let n of r.pieces){if("to"in n){t.push(...n.to);continue}let[i,o]=[t[t.length-2],t[t.length-1]],[s,a,
 l,c,u,h]=n.cubic,d=Math.max(Math.hypot(i-2*s+l,o-2*a+c),Math.hypot(s-2*l+u,a-2*c+h)),p=Math.min(64,Math.max(1,Math.ceil(Math.sqrt(.75*d/e))));
-for(let f=1;f<=p;f++){let g=f/p,v=1-g,[y,k,T,x]=[v*v*v,3*v*v*g,3*v*g*g,g*g*g];t.push(y*i+k*s+T*l+x*u,y*o+k*a+T*c+x*h)}}return{xy:Float64Array.
+for(let f=1;f<=p;f++){let g=f/p,v=1-g,[y,k,L,x]=[v*v*v,3*v*v*g,3*v*g*g,g*g*g];t.push(y*i+k*s+L*l+x*u,y*o+k*a+L*c+x*h)}}return{xy:Float64Array.
 from(t),closed:r.closed}}var kn=["tone","importance"],xn=["cells","axes","flow"],Pe=class{constructor(e){this.buffer=e}buffer;at=0;words(e){return this.taken(new Uint32Array(
 this.buffer,this.at,e))}whole(e){return this.taken(new Int32Array(this.buffer,this.at,e))}shorts(e){return this.taken(new Uint16Array(this.buffer,
 this.at,e))}bytes(e){return this.taken(new Uint8Array(this.buffer,this.at,e))}floats(e){return this.taken(new Float32Array(this.buffer,this.
 at,e))}taken(e){return this.at+=Math.ceil(e.byteLength/4)*4,e}};function En(r){let[e,t,n]=r.words(4),i={layer:e,gone:n===0,ids:r.words(t)};return n&
 1&&(i.x=r.whole(t),i.y=r.whole(t)),n&2&&(i.scale=r.words(t)),n&4&&(i.turn=r.shorts(t)),n&8&&(i.kind=r.words(t)),n&16&&(i.fill=r.words(t)),n&
-32&&(i.flags=r.bytes(t)),i}function Tn(r){let[e,t,n,i,o,s,a]=r.words(8),l=r.bytes(i*o);return{map:kn[e],top:t,left:n,height:i,width:o,rows:s,
-columns:a,values:l}}function Ln(r){let[e,t,n,i]=r.words(4);return{what:xn[e],closed:i!==0,start:r.words(t+1),xy:r.floats(2*n)}}function se(r){
+32&&(i.flags=r.bytes(t)),i}function Ln(r){let[e,t,n,i,o,s,a]=r.words(8),l=r.bytes(i*o);return{map:kn[e],top:t,left:n,height:i,width:o,rows:s,
+columns:a,values:l}}function Tn(r){let[e,t,n,i]=r.words(4);return{what:xn[e],closed:i!==0,start:r.words(t+1),xy:r.floats(2*n)}}function se(r){
 let e=new Pe(r),[t,n,i]=e.words(4),o=s=>Array.from({length:i},()=>s(e));if(t===1)return{revision:n,type:"items",chunks:o(En)};if(t===2)return{
-revision:n,type:"raster",patches:o(Tn)};if(t===3)return{revision:n,type:"lines",lines:Ln(e)};throw new Error(`the server sent a frame of unk\
+revision:n,type:"raster",patches:o(Ln)};if(t===3)return{revision:n,type:"lines",lines:Tn(e)};throw new Error(`the server sent a frame of unk\
 nown type ${t}`)}var ae=class{constructor(e,t){this.painter=t;e.said.on(n=>{n.say==="hello"&&n.protocol!==1?e.lost.say(`This page speaks protocol ${1}, the s\
 erver ${n.protocol}: load the page again.`):n.say==="hello"&&this.begin(n),n.say==="state"&&this.take(n),n.say==="saved"&&(this.saved.value=
 n),n.say==="tabs"&&(this.tabs.value=n.count),n.say==="step"&&this.steps.say(n)}),e.frames.on(n=>{try{this.receive(n)}catch(i){e.lost.say(`A \
 part of the drawing could not be read (${i.message}); it is asked for again.`),e.ask({do:"refresh"}).catch(()=>{})}}),this.changed.on(()=>this.
-around=null)}painter;hello=new L(null);state=new L(null);saved=new L(null);tabs=new L(1);steps=new P;lines=new P;changed=new P;items=new G;kinds=new Map;canvas=[];around=null;missing=0;selection(){
+around=null)}painter;hello=new T(null);state=new T(null);saved=new T(null);tabs=new T(1);steps=new P;lines=new P;changed=new P;items=new G;kinds=new Map;canvas=[];around=null;missing=0;selection(){
 return(this.around??=this.found()).box}found(){let{items:e}=this,t={left:1/0,top:1/0,right:-1/0,bottom:-1/0};for(let n of this.selected()){let[
 i,o,s]=[e.x[n]/1e3,e.y[n]/1e3,this.reach(n)];t.left=Math.min(t.left,i-s),t.top=Math.min(t.top,o-s),t.right=Math.max(t.right,i+s),t.bottom=Math.
 max(t.bottom,o+s)}return{box:t.left<t.right?t:null}}*selected(){if(!this.state.value?.selected)return;let{items:e}=this;for(let t=0;t<e.end;t++)
@@ -162,7 +162,7 @@ edo",u+1),{title:"Do again up to here"}))),a=n.undo.map((c,u)=>m("li",{},M(c,()=
 ndo what came after":"The latest"}))),l=m("li",{},M(n.undo.length<50?"As it was opened":"Further back",()=>n.undo.length&&o("undo",n.undo.length),
 {"aria-current":n.undo.length?null:"step"}));e.replaceChildren(...s.reverse(),...a,l)}),m("div",{class:"panel"},m("h2",{},"History"),e)}var et=[["Black",[0,0,0,1]],["Cyan",[1,0,0,0]],["Magenta",[0,1,0,0]],["Yellow",[0,0,1,0]],["Sepia",[.3,.55,.75,.45]],["Red chalk",[.1,.8,.8,
 .1]],["Blue ink",[1,.7,0,.3]]];function nt(r){let e=m("ul",{class:"layers","aria-label":"Layers, the topmost first"}),t=m("section",{class:"section stack","aria-label":"Th\
-e layer worked on"}),n=m("input",{type:"radio",name:"layer",id:E("layer"),checked:!0,change:()=>r.layer.value=null}),i=U(D.add,"Add a layer",
+e layer worked on"}),n=m("input",{type:"radio",name:"layer",id:E("layer"),checked:!0,change:()=>r.layer.value=null}),i=U(C.add,"Add a layer",
 ()=>{r.apply("layer add",{})}),o="",s=()=>{let l=r.drawing.state.value;if(!l)return;r.layer.value!==null&&!l.layers.some(d=>d.id===r.layer.value)&&
 (r.layer.value=null);let c=JSON.stringify([l.layers,r.layer.value,l.selected>0]);if(c===o)return;o=c;let u=document.activeElement instanceof
 HTMLElement?document.activeElement.dataset.focus:void 0;n.checked=r.layer.value===null,e.replaceChildren(...l.layers.map((d,p)=>Sn(r,d,p,l.layers.
@@ -171,25 +171,25 @@ length)).reverse());let h=l.layers.find(d=>d.id===r.layer.value);t.contains(docu
 el",{for:n.id},"Work on all layers"),i);return m("div",{class:"panel"},m("h2",{},"Layers"),a,e,t)}function q(r,e,t){r.apply("layer edit",{layer:e.
 id,...t})}function Sn(r,e,t,n){let i=E("layer"),o=u=>({"data-focus":`${e.id} ${u}`}),s=m("input",{type:"radio",name:"layer",id:i,checked:r.layer.
 value===e.id,change:()=>r.layer.value=e.id,...o("radio")}),a=m("span",{class:"swatch"});a.style.background=`rgb(${e.rgb.join(" ")})`;let l=(u,h,d)=>{
-let p=`${u==="hidden"?"Hide":"Lock"} ${e.name}`,f=()=>q(r,e,{[u]:!e[u]});return U(D[e[u]?h:d],p,f,{"aria-pressed":String(e[u]),...o(u)})},c=(u,h,d)=>U(
-D[h],`${u} ${e.name}`,()=>{r.apply("layer order",{layer:e.id,to:d})},{disabled:d<0||d>=n,...o(h)});return m("li",{class:e.hidden?"layer laye\
+let p=`${u==="hidden"?"Hide":"Lock"} ${e.name}`,f=()=>q(r,e,{[u]:!e[u]});return U(C[e[u]?h:d],p,f,{"aria-pressed":String(e[u]),...o(u)})},c=(u,h,d)=>U(
+C[h],`${u} ${e.name}`,()=>{r.apply("layer order",{layer:e.id,to:d})},{disabled:d<0||d>=n,...o(h)});return m("li",{class:e.hidden?"layer laye\
 r-hidden":"layer"},s,a,m("label",{for:i},e.name||`Layer ${e.id}`,m("small",{},e.items.toLocaleString("en"))),c("Raise","up",t+1),c("Lower","\
 down",t-1),l("locked","locked","open"),l("hidden","hidden","shown"))}function An(r,e,t){let n=tt("Name",m("input",{type:"text",value:e.name,
-change:c=>q(r,e,{name:Ie(c)})})),i=m("input",{type:"number",min:0,max:50,step:"any",value:e.pen??0,change:c=>q(r,e,{pen:Number(Ie(c))})}),o=e.
+change:c=>q(r,e,{name:De(c)})})),i=m("input",{type:"number",min:0,max:50,step:"any",value:e.pen??0,change:c=>q(r,e,{pen:Number(De(c))})}),o=e.
 cmyk.map((c,u)=>m("input",{type:"number",min:0,max:100,step:1,value:Math.round(c*100),"aria-label":`${["Cyan","Magenta","Yellow","Black"][u]}\
-, per cent`,change:h=>q(r,e,{cmyk:e.cmyk.map((d,p)=>p===u?Number(Ie(h))/100:d)})})),s=et.map(([c,u])=>M(c,()=>q(r,e,{cmyk:u}))),a=M("Bring t\
+, per cent`,change:h=>q(r,e,{cmyk:e.cmyk.map((d,p)=>p===u?Number(De(h))/100:d)})})),s=et.map(([c,u])=>M(c,()=>q(r,e,{cmyk:u}))),a=M("Bring t\
 he selection here",()=>{r.apply("layer take",{layer:e.id})},{class:"wide",disabled:!t}),l=M("Select all of it",()=>{r.apply("select",{by:"la\
 yer",layer:e.id})},{class:"wide"});return[m("h3",{},e.name||`Layer ${e.id}`),n,tt("Pen",i,m("span",{class:"unit"},"mm; 0 fills")),m("div",{class:"\
 knob"},m("span",{},"C M Y K"),m("div",{class:"knob-inputs cmyk"},...o)),m("div",{class:"row chips"},...s),a,l,M("Remove the layer",()=>{r.apply(
 "layer remove",{layer:e.id})},{class:"wide"})]}function tt(r,e,...t){return e.id=E("field"),m("div",{class:"knob"},m("label",{for:e.id},r),m(
-"div",{class:"knob-inputs"},e,...t))}function Ie(r){return r.target.value}var rt=[200,500,1e3,2e3,4e3],Pn=1001,Dn=1009,le=class{constructor(e){this.wire=e}wire;line=new L("connecting");said=new P;frames=new P;lost=new P;socket=null;number=0;tries=0;waiting=new Map;connect(){
+"div",{class:"knob-inputs"},e,...t))}function De(r){return r.target.value}var rt=[200,500,1e3,2e3,4e3],Pn=1001,Cn=1009,le=class{constructor(e){this.wire=e}wire;line=new T("connecting");said=new P;frames=new P;lost=new P;socket=null;number=0;tries=0;waiting=new Map;connect(){
 let e=this.wire.open();this.socket=e,e.addEventListener("open",()=>{this.tries=0,this.line.value="open"}),e.addEventListener("message",t=>{let{
 data:n}=t;typeof n=="string"?this.hear(JSON.parse(n)):this.frames.say(n)}),e.addEventListener("close",t=>this.closed(t.code))}ask(e){if(this.
 socket?.readyState!==WebSocket.OPEN)return Promise.reject(new Error("There is no connection to the server."));let t=++this.number;return this.
 socket.send(JSON.stringify({...e,n:t})),new Promise((n,i)=>this.waiting.set(t,{done:n,failed:i}))}hear(e){(e.say==="done"||e.say==="error")&&
 this.answered(e),e.say==="closed"&&(this.line.value="ended"),this.said.say(e)}answered(e){if(e.say==="error"&&e.n===null)return this.lost.say(
 e.text);let t=this.waiting.get(e.n??0);this.waiting.delete(e.n??0),e.say==="done"?t?.done(e):t?.failed(new Error(e.text))}closed(e){this.socket=
-null;let t=e===Dn?"That was more than the server takes at once.":"The connection broke before the server answered.";for(let{failed:n}of this.
+null;let t=e===Cn?"That was more than the server takes at once.":"The connection broke before the server answered.";for(let{failed:n}of this.
 waiting.values())n(new Error(t));this.waiting.clear(),e===Pn?this.line.value="ended":this.line.value!=="ended"&&(this.line.value="broken"),setTimeout(
 ()=>this.connect(),rt[Math.min(this.tries++,rt.length-1)])}};var it=6e3,ce=class{list=w("messages");note(e){this.show(e,"note",it)}error(e){this.show(e,"error",2*it)}show(e,t,n){for(let o of[...this.list.
 children])(o.textContent===e||this.list.children.length>3)&&o.remove();let i=m("p",{class:t},e);i.addEventListener("click",()=>i.remove()),this.
@@ -197,42 +197,43 @@ list.append(i),setTimeout(()=>i.remove(),n)}};function at(r,e){let[t,n]=r.viewpo
 (t+i)/2,n-4-22]}}function lt(r,e,t){let{left:n,top:i,right:o,bottom:s,knob:a}=at(r,t);e.strokeRect(n,i,o-n,s-i),e.beginPath(),e.moveTo(a[0],
 i),e.lineTo(a[0],a[1]+5),e.stroke(),e.beginPath(),e.arc(...a,5,0,2*Math.PI),e.save(),e.fillStyle="#fff",e.fill(),e.restore(),e.stroke()}function ct(r,e){
 let t=r.drawing.selection();if(!t||!r.operation("move"))return null;let{left:n,top:i,right:o,bottom:s,knob:a}=at(r,t),[l,c]=r.viewport.px(e.
-x,e.y);return Math.hypot(l-a[0],c-a[1])<=10?ot(r,e,t,!0):l>=n&&l<=o&&c>=i&&c<=s?ot(r,e,t,!1):null}function ot(r,e,t,n){let i=In(r),[o,s,a]=[
+x,e.y);return Math.hypot(l-a[0],c-a[1])<=10?ot(r,e,t,!0):l>=n&&l<=o&&c>=i&&c<=s?ot(r,e,t,!1):null}function ot(r,e,t,n){let i=Dn(r),[o,s,a]=[
 0,0,0];return{move:l=>{let c=l[l.length-1];n?a=st(c.x-i[0],c.y-i[1])-st(e.x-i[0],e.y-i[1]):[o,s]=[c.x-e.x,c.y-e.y]},end:()=>{let l=u=>Math.round(
 u*1e3)/1e3,c=n?{angle:l((a+540)%360-180)}:{dx:l(o),dy:l(s)};Object.values(c).some(u=>u!==0)?r.apply("move",c):n||r.apply("select",{by:"pick",
-path:[e.x,e.y,1]})},cancel:()=>{},draw:l=>Cn(r,l,t,i,o,s,a*Math.PI/180)}}function In(r){let{items:e}=r.drawing,[t,n,i,o]=[1/0,1/0,-1/0,-1/0];
+path:[e.x,e.y,1]})},cancel:()=>{},draw:l=>In(r,l,t,i,o,s,a*Math.PI/180)}}function Dn(r){let{items:e}=r.drawing,[t,n,i,o]=[1/0,1/0,-1/0,-1/0];
 for(let s of r.drawing.selected())[t,i]=[Math.min(t,e.x[s]),Math.max(i,e.x[s])],[n,o]=[Math.min(n,e.y[s]),Math.max(o,e.y[s])];return[(t+i)/2e3,
-(n+o)/2e3]}function st(r,e){return Math.atan2(e,r)*180/Math.PI}function Cn(r,e,t,n,i,o,s){let{drawing:a,viewport:l}=r,{items:c}=a,u=l.scale/
+(n+o)/2e3]}function st(r,e){return Math.atan2(e,r)*180/Math.PI}function In(r,e,t,n,i,o,s){let{drawing:a,viewport:l}=r,{items:c}=a,u=l.scale/
 l.ratio,h=(d,p)=>{let[f,g]=[d-n[0],p-n[1]];return l.px(n[0]+Math.cos(s)*f-Math.sin(s)*g+i,n[1]+Math.sin(s)*f+Math.cos(s)*g+o)};if(e.beginPath(),
 a.state.value.selected>400){let{left:d,top:p,right:f,bottom:g}=t;for(let v of[[d,p],[f,p],[f,g],[d,g]])e.lineTo(...h(...v));return e.closePath(),
 e.stroke()}for(let d of a.selected()){let p=a.kinds.get(c.kind[d]);if(!p)continue;let[f,g]=h(c.x[d]/1e3,c.y[d]/1e3),v=c.scale[d]/1e3*u,y=c.turn[d]/
-65536*2*Math.PI+s,[k,T]=[v*Math.cos(y),v*Math.sin(y)];for(let{xy:x,closed:K}of p.rings(v)){for(let S=0;S<x.length;S+=2){let[C,I]=[f+k*x[S]-T*
-x[S+1],g+T*x[S]+k*x[S+1]];S?e.lineTo(C,I):e.moveTo(C,I)}K&&e.closePath()}}e.stroke()}function ht(r){let e=10**Math.floor(Math.log10(r));return[1,2,5,10].map(t=>t*e).find(t=>t>=r*.999)}function mt(r,e,t,n){let[i,o]=[e.width/e.
-ratio,e.height/e.ratio];r.fillStyle=n.ground,r.fillRect(0,0,i,18),r.fillRect(0,0,18,o),r.font="10px ui-sans-serif, system-ui, sans-serif",r.
-textBaseline="alphabetic",r.lineWidth=1,r.setLineDash([]),r.strokeStyle=n.stroke,ut(r,e,i,n,!1),r.save(),r.transform(0,1,1,0,0,0),ut(r,e,o,n,
-!0),r.restore(),r.fillStyle=n.ground,r.fillRect(0,0,18,18),r.fillStyle=n.text,r.fillText("mm",2,12),t&&(r.strokeStyle=n.text,r.beginPath(),r.
-moveTo(Math.round(t[0])+.5,0),r.lineTo(Math.round(t[0])+.5,18),r.moveTo(0,Math.round(t[1])+.5),r.lineTo(18,Math.round(t[1])+.5),r.stroke())}
-function ut(r,e,t,n,i){let o=e.scale/e.ratio,s=(i?e.y:e.x)/e.ratio,a=ht(56/o),l=[10,5,2].map(u=>a/u).find(u=>u*o>=5&&On(u))??a,c=Math.round(
-a/l);r.beginPath();for(let u=Math.floor((18-s)/o/l);u*l*o+s<t;u++){let h=Math.round(u*l*o+s)+.5,d=u%c===0;r.moveTo(h,18),r.lineTo(h,d?4:14),
-d&&Rn(r,Number((u*l).toPrecision(9)),h,n,i)}r.stroke(),r.beginPath(),r.moveTo(0,18-.5),r.lineTo(t,18-.5),r.stroke()}function On(r){return Math.
-abs(ht(r)-r)<1e-6*r}function Rn(r,e,t,n,i){if(r.fillStyle=n.text,!i)return r.fillText(String(e),t+3,11);r.save(),r.transform(0,1,1,0,0,0),r.
-translate(3,t+3),r.rotate(Math.PI/2),r.fillText(String(e),0,0),r.restore()}var ue=class{constructor(e){this.desk=e;let{drawing:t,viewport:n,appearance:i,tool:o,region:s,settings:a}=e,l=()=>this.ask();for(let c of[t.
+65536*2*Math.PI+s,[k,L]=[v*Math.cos(y),v*Math.sin(y)];for(let{xy:x,closed:K}of p.rings(v)){for(let S=0;S<x.length;S+=2){let[I,D]=[f+k*x[S]-L*
+x[S+1],g+L*x[S]+k*x[S+1]];S?e.lineTo(I,D):e.moveTo(I,D)}K&&e.closePath()}}e.stroke()}function ht(r){let e=10**Math.floor(Math.log10(r));return[1,2,5,10].map(t=>t*e).find(t=>t>=r*.999)}function mt(r,e,t){let[n,i]=[e.width/e.ratio,
+e.height/e.ratio];r.fillStyle=t.ground,r.fillRect(0,0,n,18),r.fillRect(0,0,18,i),r.font="10px ui-sans-serif, system-ui, sans-serif",r.textBaseline=
+"alphabetic",r.lineWidth=1,r.setLineDash([]),r.strokeStyle=t.stroke,ut(r,e,n,t,!1),r.save(),r.transform(0,1,1,0,0,0),ut(r,e,i,t,!0),r.restore(),
+r.fillStyle=t.ground,r.fillRect(0,0,18,18),r.fillStyle=t.text,r.fillText("mm",2,12)}function ut(r,e,t,n,i){let o=e.scale/e.ratio,s=(i?e.y:e.
+x)/e.ratio,a=ht(56/o),l=[10,5,2].map(u=>a/u).find(u=>u*o>=5&&On(u))??a,c=Math.round(a/l);r.beginPath();for(let u=Math.floor((18-s)/o/l);u*l*
+o+s<t;u++){let h=Math.round(u*l*o+s)+.5,d=u%c===0;r.moveTo(h,18),r.lineTo(h,d?4:14),d&&Rn(r,Number((u*l).toPrecision(9)),h,n,i)}r.stroke(),r.
+beginPath(),r.moveTo(0,18-.5),r.lineTo(t,18-.5),r.stroke()}function On(r){return Math.abs(ht(r)-r)<1e-6*r}function Rn(r,e,t,n,i){if(r.fillStyle=
+n.text,!i)return r.fillText(String(e),t+3,11);r.save(),r.transform(0,1,1,0,0,0),r.translate(3,t+3),r.rotate(Math.PI/2),r.fillText(String(e),
+0,0),r.restore()}var ue=class{constructor(e){this.desk=e;let{drawing:t,viewport:n,appearance:i,tool:o,region:s,settings:a}=e,l=()=>this.ask();for(let c of[t.
 changed,n.changed,i.changed])c.on(l);for(let c of[t.hello,o,s])c.on(l);a.changed.on(l)}desk;gesture=null;canvas=w("overlay");ring=w("ring");cross=w(
-"cross");pointer=null;asked=!1;point(e,t=!1){this.pointer=e,this.cross.hidden=!(e&&t),e&&(this.cross.style.transform=`translate(${e[0]}px, ${e[1]}\
-px)`),this.rim(),this.ask()}ask(){this.asked||(this.asked=!0,requestAnimationFrame(()=>this.draw()))}rim(){let{tool:e,settings:t,viewport:n}=this.
-desk,i=e.value,o=this.pointer&&i?.ring&&i.operation;if(this.ring.hidden=!o,!o||!this.pointer)return;let s=Number(t.get(i.operation,"size")),
-a=Math.max(3,s*n.scale/n.ratio),[l,c]=[this.pointer[0]-a/2,this.pointer[1]-a/2];this.ring.style.transform=`translate(${l}px, ${c}px)`,this.ring.
-style.width=this.ring.style.height=`${a}px`}draw(){this.asked=!1,this.rim();let{canvas:e,desk:t}=this,{viewport:n,drawing:i,appearance:o}=t;
-(e.width!==n.width||e.height!==n.height)&&([e.width,e.height]=[n.width,n.height]);let s=e.getContext("2d");if(s.setTransform(n.ratio,0,0,n.ratio,
-0,0),s.clearRect(0,0,e.width,e.height),!i.hello.value)return;o.guides.value&&this.guides(s),this.outlines(s);let a={ground:o.colour("panel"),
-stroke:o.colour("ruler"),text:o.colour("muted")};o.rulers.value&&mt(s,n,this.pointer,a)}outlines(e){let{drawing:t,appearance:n,region:i,tool:o}=this.
-desk,s=o.value?.part==="select"&&!this.gesture?.draw?t.selection():null,a=n.colour("accent-on-paper");for(let l of[!0,!1]){let c=(u,h)=>{e.strokeStyle=
-l?"#fffd":u,e.lineWidth=l?4:1.5,e.setLineDash(l?[]:h)};c(n.colour("wall"),[6,3]);for(let u of t.state.value?.wall??[])this.outline(e,u,2);c(
-a,[6,3]),i.value&&this.outline(e,i.value,3),c(a,[]),s&&lt(this.desk,e,s),e.fillStyle=l?"transparent":`color-mix(in srgb, ${a} 12%, transpare\
-nt)`,this.gesture?.draw?.(e)}}guides(e){let{viewport:t,drawing:n,appearance:i}=this.desk,{size:o,margin:s}=n.hello.value,a=l=>{let[[c,u],[h,
-d]]=[t.px(l,l),t.px(o[0]-l,o[1]-l)];e.strokeRect(Math.round(c)+.5,Math.round(u)+.5,Math.round(h-c)-1,Math.round(d-u)-1)};e.lineWidth=1,e.setLineDash(
-[]),e.strokeStyle=i.colour("edge"),a(0),e.setLineDash([2,3]),e.strokeStyle=i.colour("guide"),s&&a(s);for(let l of n.canvas)this.outline(e,l,
-2)}outline(e,t,n){e.beginPath();for(let i=0;i+1<t.length;i+=n)e.lineTo(...this.desk.viewport.px(t[i],t[i+1]));e.closePath(),e.stroke()}};var he=class{constructor(e,t,n,i,o){this.surface=e;this.viewport=t;this.begin=n;this.hover=i;this.drawn=o;e.addEventListener("pointerdown",s=>this.
+"cross");notches=[w("across"),w("down")];pointer=null;asked=!1;point(e,t=!1){this.pointer=e,this.cross.hidden=!(e&&t),e&&(this.cross.style.transform=
+`translate(${e[0]}px, ${e[1]}px)`),this.follow()}ask(){this.asked||(this.asked=!0,requestAnimationFrame(()=>this.draw()))}follow(){let[e,t]=this.
+notches;e.hidden=t.hidden=!(this.pointer&&this.desk.appearance.rulers.value),this.pointer&&(e.style.transform=`translateX(${this.pointer[0]}\
+px)`),this.pointer&&(t.style.transform=`translateY(${this.pointer[1]}px)`);let{tool:n,settings:i,viewport:o}=this.desk,s=n.value,a=this.pointer&&
+s?.ring&&s.operation;if(this.ring.hidden=!a,!a||!this.pointer)return;let l=Number(i.get(s.operation,"size")),c=Math.max(3,l*o.scale/o.ratio),
+[u,h]=[this.pointer[0]-c/2,this.pointer[1]-c/2];this.ring.style.transform=`translate(${u}px, ${h}px)`,this.ring.style.width=this.ring.style.
+height=`${c}px`}draw(){this.asked=!1,this.follow();let{canvas:e,desk:t}=this,{viewport:n,drawing:i,appearance:o}=t;(e.width!==n.width||e.height!==
+n.height)&&([e.width,e.height]=[n.width,n.height]);let s=e.getContext("2d");if(s.setTransform(n.ratio,0,0,n.ratio,0,0),s.clearRect(0,0,e.width,
+e.height),!i.hello.value)return;o.guides.value&&this.guides(s),this.outlines(s);let a={ground:o.colour("panel"),stroke:o.colour("ruler"),text:o.
+colour("muted")};o.rulers.value&&mt(s,n,a)}outlines(e){let{drawing:t,appearance:n,region:i,tool:o}=this.desk,s=o.value?.part==="select"&&!this.
+gesture?.draw?t.selection():null,a=n.colour("accent-on-paper");for(let l of[!0,!1]){let c=(u,h)=>{e.strokeStyle=l?"#fffd":u,e.lineWidth=l?4:
+1.5,e.setLineDash(l?[]:h)};c(n.colour("wall"),[6,3]);for(let u of t.state.value?.wall??[])this.outline(e,u,2);c(a,[6,3]),i.value&&this.outline(
+e,i.value,3),c(a,[]),s&&lt(this.desk,e,s),e.fillStyle=l?"transparent":`color-mix(in srgb, ${a} 12%, transparent)`,this.gesture?.draw?.(e)}}guides(e){
+let{viewport:t,drawing:n,appearance:i}=this.desk,{size:o,margin:s}=n.hello.value,a=l=>{let[[c,u],[h,d]]=[t.px(l,l),t.px(o[0]-l,o[1]-l)];e.strokeRect(
+Math.round(c)+.5,Math.round(u)+.5,Math.round(h-c)-1,Math.round(d-u)-1)};e.lineWidth=1,e.setLineDash([]),e.strokeStyle=i.colour("edge"),a(0),
+e.setLineDash([2,3]),e.strokeStyle=i.colour("guide"),s&&a(s);for(let l of n.canvas)this.outline(e,l,2)}outline(e,t,n){e.beginPath();for(let i=0;i+
+1<t.length;i+=n)e.lineTo(...this.desk.viewport.px(t[i],t[i+1]));e.closePath(),e.stroke()}};var he=class{constructor(e,t,n,i,o){this.surface=e;this.viewport=t;this.begin=n;this.hover=i;this.drawn=o;e.addEventListener("pointerdown",s=>this.
 down(s)),e.addEventListener("pointermove",s=>this.move(s)),e.addEventListener("pointerup",s=>this.up(s,!1)),e.addEventListener("pointercance\
 l",s=>this.up(s,!0)),e.addEventListener("pointerleave",s=>this.hover(s.offsetX,s.offsetY,!1)),e.addEventListener("contextmenu",s=>s.preventDefault()),
 e.addEventListener("wheel",s=>this.wheel(s),{passive:!1})}surface;viewport;begin;hover;drawn;gesture=null;owner=-1;panning=!1;waiting=null;fingers=new Map;space=!1;get busy(){
@@ -262,9 +263,9 @@ dataset.part=c?.part??""),l}function Kn(r,e){let t=n=>{e.space=n,r.classList.tog
 "blur",()=>t(!1))}var $n="insert";function pt(r){let e=w("rail"),t=new Map;r.tools.on(n=>{t=new Map(n.map(s=>[s.name,Nn(r,s)]));let o=["look","select","brush",
 "outline"].map(s=>m("div",{class:"rail-part"},...n.filter(a=>a.part===s).map(a=>t.get(a.name))));e.replaceChildren(...o.filter(s=>s.children.
 length)),r.tool.value=n.find(s=>s.name===(r.tool.value?.name??$n))??n[0]??null}),r.tool.on(n=>{for(let[i,o]of t)o.setAttribute("aria-pressed",
-String(i===n?.name)),o.tabIndex=i===n?.name?0:-1}),e.addEventListener("keydown",n=>Ce(n,[...t.values()]))}function Nn(r,e){let t=`${e.title}${e.
-key?` (${e.key.toUpperCase()})`:""}: ${e.help}`,n=e.key?{"aria-keyshortcuts":e.key}:{},i=U(D[e.name]??D.insert,e.title,()=>r.tool.value=e,{"\
-data-tool":e.name,...n});return i.title=t,i}function Ce(r,e){let t=e.indexOf(document.activeElement),n={ArrowDown:t+1,ArrowRight:t+1,ArrowUp:t-
+String(i===n?.name)),o.tabIndex=i===n?.name?0:-1}),e.addEventListener("keydown",n=>Ie(n,[...t.values()]))}function Nn(r,e){let t=`${e.title}${e.
+key?` (${e.key.toUpperCase()})`:""}: ${e.help}`,n=e.key?{"aria-keyshortcuts":e.key}:{},i=U(C[e.name]??C.insert,e.title,()=>r.tool.value=e,{"\
+data-tool":e.name,...n});return i.title=t,i}function Ie(r,e){let t=e.indexOf(document.activeElement),n={ArrowDown:t+1,ArrowRight:t+1,ArrowUp:t-
 1,ArrowLeft:t-1,Home:0,End:e.length-1}[r.key];t<0||n===void 0||(r.preventDefault(),r.stopPropagation(),e[(n+e.length)%e.length].focus())}var Bn=new Set(["size","strength","falloff"]),Un=new Set(["path","on","layer"]),Z=class r{changed=new P;own=new Map;static shown(e){return e.
 knobs.filter(t=>!Un.has(t.name))}get(e,t){let n=this.own.get(this.key(e,t));return n===void 0?e.knobs.find(i=>i.name===t)?.default??null:n}set(e,t,n){
 this.own.set(this.key(e,t),n),this.changed.say(t)}scale(e,t,n){let i=e.knobs.find(a=>a.name===t),o=this.get(e,t);if(!i||typeof o!="number")return;
@@ -282,9 +283,9 @@ values.splice(0,this.values.length,...this.values.filter((n,i)=>i%2)),this.draw(
 1]?.[0]??1],i=Math.min(...e.map(([,l])=>l)),o=Math.max(...e.map(([,l])=>l)),s=l=>de+(l-t)/Math.max(n-t,1)*(ft-2*de),a=l=>Oe-de-(l-i)/(o-i||1)*
 (Oe-2*de);this.line.setAttribute("points",e.map(([l,c])=>`${s(l).toFixed(1)},${a(c).toFixed(1)}`).join(" ")),this.now.textContent=e.length?Number(
 e[e.length-1][1].toPrecision(4)).toString():""}};var zn=["energy","movement","turning"];function gt(r){let e=m("div",{class:"panel"});return r.drawing.hello.on(t=>{let n=r.operation("relax"),
-i=t?.operations.filter(o=>o.group==="relax"&&o!==n)??[];e.replaceChildren(...n?Vn(r,n):[],...i.map(o=>Wn(r,o)))}),e}function Wn(r,e){let t=()=>{
+i=t?.operations.filter(o=>o.group==="relax"&&o!==n)??[];e.replaceChildren(...n?Wn(r,n):[],...i.map(o=>Vn(r,o)))}),e}function Vn(r,e){let t=()=>{
 let i=e.knobs.some(o=>o.name==="path")?r.region.value:null;return i?{path:i}:{}},n=me(r,e,void 0,()=>({...t(),...r.ofLayer(e)}));return m("d\
-etails",{class:"section"},m("summary",{},e.name==="tile"?"Lay tiles":e.name==="cut"?"Cut stones":e.name),n)}function Vn(r,e){let t=m("select",
+etails",{class:"section"},m("summary",{},e.name==="tile"?"Lay tiles":e.name==="cut"?"Cut stones":e.name),n)}function Wn(r,e){let t=m("select",
 {id:E("on")},...["all","selection"].map(p=>m("option",{value:p},p))),n=m("input",{type:"number",id:E("steps"),min:1,max:1e4,step:1,value:10}),
 i=zn.map(p=>new pe(p)),o=m("p",{class:"count",role:"status"}),s=p=>{if(p>1||!p)for(let g of i)g.clear();let f={...r.settings.params(e),...r.
 ofLayer(e),on:t.value};r.apply(e.name,f,{times:p}).then(g=>{g&&(o.textContent=g.stopped?"Stopped":"")})},a=()=>{n.reportValidity()&&s(n.valueAsNumber)},
@@ -292,12 +293,12 @@ l=Re("Play","play",()=>{let{busy:p}=r.drawing.state.value??{};p?r.ask({do:p.paus
 do:"stop"})}),u=Re("Undo it","cancel",()=>{r.ask({do:"cancel"})}),h=M("1 step",()=>s(1)),d=M("steps",a);return r.drawing.steps.on(p=>{if(p.stage!==
 "recover"){o.textContent=`${p.stage} ${p.done}${p.total?` of ${p.total}`:""}`;for(let f of i){let g=p.facts[f.name];g!==void 0&&f.add(p.done,
 g),f.element.hidden=g===void 0&&f.name==="turning"}}}),r.drawing.state.on(p=>{let f=p?.busy??null,g=f!==null&&!f.paused;H(l,{"aria-label":g?
-"Pause":f?"Go on":"Play"}),l.replaceChildren(V(g?D.pause:D.play),g?"Pause":f?"Go on":"Play"),c.disabled=u.disabled=!f,h.disabled=d.disabled=
+"Pause":f?"Go on":"Play"}),l.replaceChildren(W(g?C.pause:C.play),g?"Pause":f?"Go on":"Play"),c.disabled=u.disabled=!f,h.disabled=d.disabled=
 f!==null;for(let v of t.options)v.value==="selection"&&(v.disabled=!p?.selected);p?.selected||(t.value="all")}),[m("h2",{},"Relaxation"),m("\
 p",{class:"help"},e.help),N(r,e,["variant"]),m("div",{class:"knob"},m("label",{for:t.id},"On"),m("div",{class:"knob-inputs"},t)),m("div",{class:"\
 row"},l,c,u),m("div",{class:"row"},h,m("span",{class:"joined"},m("label",{for:n.id,class:"unseen"},"Number of steps"),n,d)),o,...i.map(p=>p.
 element),m("details",{},m("summary",{},"Finer settings"),N(r,e,Fn(e)))]}function Fn(r){return r.knobs.map(e=>e.name).filter(e=>!["variant","\
-size","strength","falloff"].includes(e))}function Re(r,e,t){return m("button",{type:"button",click:t,"aria-label":r},V(D[e]),r)}async function bt(r){let e=await r.get("picture.png");return e&&createImageBitmap(e)}async function vt(r,e,t){let n=await r.get(`still-${e}.\
+size","strength","falloff"].includes(e))}function Re(r,e,t){return m("button",{type:"button",click:t,"aria-label":r},W(C[e]),r)}async function bt(r){let e=await r.get("picture.png");return e&&createImageBitmap(e)}async function vt(r,e,t){let n=await r.get(`still-${e}.\
 svg`);if(!n)return null;let i=new Image;i.src=URL.createObjectURL(n),await i.decode(),URL.revokeObjectURL(i.src);let o=2e3/Math.max(...t),s=new OffscreenCanvas(
 Math.ceil(t[0]*o),Math.ceil(t[1]*o));return s.getContext("2d").drawImage(i,0,0,s.width,s.height),s.transferToImageBitmap()}function yt(r,e){let{viewport:t,appearance:n,drawing:i}=r,o=w("stage"),s=w("drawing").transferControlToOffscreen();e({do:"canvas",canvas:s},
 [s]);let a=!1;t.changed.on(()=>{a||(a=!0,requestAnimationFrame(()=>{a=!1,e({do:"view",view:t.view,width:t.width,height:t.height})}))});let l=()=>{
@@ -326,7 +327,7 @@ on tool (D)."}),r.drawing.state.on(d=>h.disabled=!d?.busy?.op.startsWith("redraw
 "div",{class:"knob"},m("label",{for:t.id},"Style"),m("div",{class:"knob-inputs"},t)),n,a,c,u,h]}function xt(r){let[e,t]=[w("tabs"),w("panels")],n=r.map(({name:o,panel:s})=>{let[a,l]=[E("tab"),E("panel")];for(let[c,u]of Object.entries({id:l,
 role:"tabpanel","aria-labelledby":a}))s.setAttribute(c,u);return m("button",{type:"button",role:"tab",id:a,"aria-controls":l,click:()=>i(o)},
 o)}),i=o=>{r.forEach((s,a)=>{let l=s.name===o;s.panel.hidden=!l,n[a].setAttribute("aria-selected",String(l)),n[a].tabIndex=l?0:-1})};return e.
-addEventListener("keydown",o=>{Ce(o,n),document.activeElement!==o.target&&document.activeElement.click()}),e.replaceChildren(...n),t.replaceChildren(
+addEventListener("keydown",o=>{Ie(o,n),document.activeElement!==o.target&&document.activeElement.click()}),e.replaceChildren(...n),t.replaceChildren(
 ...r.map(o=>o.panel)),i(r[0].name),i}function Et(r){let e=m("div",{}),t=m("section",{class:"section stack","aria-label":"Selection"}),n=new Map;return r.tool.on(i=>{i&&(n.has(i)||
 n.set(i,Zn(r,i)),e.replaceChildren(n.get(i)))}),r.drawing.hello.on(i=>i&&t.replaceChildren(...Jn(r))),m("div",{class:"panel"},e,t)}function Zn(r,e){
 let{operation:t,part:n,name:i}=e;return m("div",{class:"stack"},m("h2",{},e.title),m("p",{class:"help"},e.help),t&&e.ring&&N(r,t,n==="select"?
@@ -346,12 +347,12 @@ let e=r.operation("move");return e?m("details",{},m("summary",{},"Move and turn 
 o=this.left;for(;o<=i;o+=this.apart)t.push(_n(n,e,o/i));return this.left=o-i,this.last=e,t}};function _n(r,e,t){let n=(i,o)=>i+t*(o-i);return{
 x:n(r.x,e.x),y:n(r.y,e.y),pressure:n(r.pressure,e.pressure)}}function Ke(r,e){let t=new He(r,Math.max(e.size*.12,.02)),n=[r],i=null,o=r,s=0,
 a=!1,l=!1,c=()=>n.length>=(a?1:e.least)&&(!e.lead||i!==null||n.length>1),u=()=>{for(;!l&&s<2&&c();){let f=n.splice(0,Math.floor(e.most/3)-1),
-g=e.lead&&i?[i,...f]:f;i=f[f.length-1],s++;let v=g.flatMap(y=>[Tt(y.x),Tt(y.y),Math.round(y.pressure*1e3)/1e3]);e.send(v).then(h,()=>l=!0)}},
+g=e.lead&&i?[i,...f]:f;i=f[f.length-1],s++;let v=g.flatMap(y=>[Lt(y.x),Lt(y.y),Math.round(y.pressure*1e3)/1e3]);e.send(v).then(h,()=>l=!0)}},
 h=()=>{s--,u()},d=e.lingers?setInterval(()=>{s||n.length||(n.push(o),u())},70):void 0,p=()=>{a=!0,clearInterval(d),u()};return u(),{move(f){
-for(let g of f)n.push(...t.to(o=g));u()},end(){o!==(n[n.length-1]??i)&&n.push(o),p()},cancel(){n=[],p()}}}function Tt(r){return Math.round(r*
-1e3)/1e3}var Lt={insert:"b",erase:"e",push:"p",attract:"a",jitter:"j",resize:"s",turn:"t",swap:"g",freeze:"f",paint:"i",relax:"r"},Qn=new Set(["inser\
+for(let g of f)n.push(...t.to(o=g));u()},end(){o!==(n[n.length-1]??i)&&n.push(o),p()},cancel(){n=[],p()}}}function Lt(r){return Math.round(r*
+1e3)/1e3}var Tt={insert:"b",erase:"e",push:"p",attract:"a",jitter:"j",resize:"s",turn:"t",swap:"g",freeze:"f",paint:"i",relax:"r"},Qn=new Set(["inser\
 t","attract","jitter","relax","paint"]);function St(r,e){let t=e.filter(s=>$e(s,"path")&&$e(s,"size")&&s.group!=="select"&&s.group!=="style"),
-n=Object.keys(Lt),i=s=>n.includes(s.name)?n.indexOf(s.name):n.length;t.sort((s,a)=>i(s)-i(a));let o=e.find(s=>s.name==="select");return[...er(
+n=Object.keys(Tt),i=s=>n.includes(s.name)?n.indexOf(s.name):n.length;t.sort((s,a)=>i(s)-i(a));let o=e.find(s=>s.name==="select");return[...er(
 r),...o?tr(r,o):[],...t.map(s=>nr(r,s)),...ir(r,e)]}function At(r){let e=()=>{let t=r.tool.value?.operation,n=t?.name==="paint"?r.settings.get(
 t,"map"):null;r.appearance.instead.value=n==="tone"||n==="importance"?n:null};r.tool.on(e),r.settings.changed.on(e)}function $e(r,e){return r.
 knobs.some(t=>t.name===e)}function er(r){return[{name:"pan",title:"Pan",help:"Drag the paper about",key:"h",part:"look",operation:null,ring:!1,
@@ -367,7 +368,7 @@ Select in a rectangle",s),n("lasso","l","Select inside an outline that you draw"
 let t=(o,s)=>{let{settings:a}=r,l={...a.params(e),...r.ofLayer(e)},c=Number(a.get(e,"size")),u=e.name==="turn"?a.get(e,"by"):a.get(e,"turn"),
 h=r.newGroup();return Ke(o,{size:c,lead:e.name==="push"||e.name==="turn"&&u==="stroke",least:e.name==="insert"&&u==="stroke"?2:1,lingers:Qn.
 has(e.name),most:3*r.drawing.hello.value.limits.path,send:async d=>{let p=$e(e,"on")?{on:"brush"}:{};if(!await r.apply(e.name,{...l,...s.alt?
-rr(e,l):{},...p,size:c,path:d},{group:h}))throw new Error("refused")}})},{name:n,help:i}=e;return{name:n,title:$(n),help:i,key:Lt[n]??"",part:"\
+rr(e,l):{},...p,size:c,path:d},{group:h}))throw new Error("refused")}})},{name:n,help:i}=e;return{name:n,title:$(n),help:i,key:Tt[n]??"",part:"\
 brush",operation:e,ring:!0,begin:t}}function rr(r,e){let t=n=>e[n]??r.knobs.find(i=>i.name===n)?.default;return r.name==="resize"?{factor:1/
 Number(t("factor"))}:r.name==="turn"?{angle:-Number(t("angle"))}:r.name==="freeze"?{frozen:!t("frozen")}:r.name==="paint"?{value:1-Number(t(
 "value"))}:{}}function ir(r,e){let t=[],n=e.find(o=>o.name==="wall"),i={part:"outline",operation:null,ring:!1};if(n){let o=s=>Ne(r,s,a=>{r.apply(
@@ -378,33 +379,33 @@ o[o.length-1],end:()=>Pt(r,e,i)<3?n():t(i),cancel:()=>{},draw:o=>{let[[s,a],[l,c
 s,a,l-s,c-a),o.fillRect(s,a,l-s,c-a)}}}function Ne(r,e,t){let n=[e];return{move:i=>{for(let o of i)Pt(r,n[n.length-1],o)>=2&&n.push(o)},end:()=>{
 let i=n.flatMap(o=>[Math.round(o.x*1e3)/1e3,Math.round(o.y*1e3)/1e3,1]);n.length>2&&t(i.slice(0,3*r.drawing.hello.value.limits.path))},cancel:()=>{},
 draw:i=>{i.beginPath();for(let{x:o,y:s}of n)i.lineTo(...r.viewport.px(o,s));i.fill("evenodd"),i.stroke()}}}function Pt(r,e,t){return Math.hypot(
-e.x-t.x,e.y-t.y)*r.viewport.scale/r.viewport.ratio}var ar=20,lr=4e3,Dt=40,be=class{changed=new P;scale=1;x=0;y=0;width=1;height=1;ratio=1;paper=[100,100];get view(){return{scale:this.scale,x:this.
+e.x-t.x,e.y-t.y)*r.viewport.scale/r.viewport.ratio}var ar=20,lr=4e3,Ct=40,be=class{changed=new P;scale=1;x=0;y=0;width=1;height=1;ratio=1;paper=[100,100];get view(){return{scale:this.scale,x:this.
 x,y:this.y}}mm(e,t){return[(e*this.ratio-this.x)/this.scale,(t*this.ratio-this.y)/this.scale]}px(e,t){return[(e*this.scale+this.x)/this.ratio,
 (t*this.scale+this.y)/this.ratio]}resize(e,t,n){let i=n/this.ratio;[this.width,this.height,this.ratio]=[e,t,n],[this.scale,this.x,this.y]=[this.
 scale*i,this.x*i,this.y*i],this.changed.say()}show(e){this.paper=e,this.fit({left:0,top:0,right:e[0],bottom:e[1]})}all(){this.fit({left:0,top:0,
-right:this.paper[0],bottom:this.paper[1]})}fit(e){let t=Dt*this.ratio,[n,i]=[Math.max(e.right-e.left,.001),Math.max(e.bottom-e.top,.001)];this.
+right:this.paper[0],bottom:this.paper[1]})}fit(e){let t=Ct*this.ratio,[n,i]=[Math.max(e.right-e.left,.001),Math.max(e.bottom-e.top,.001)];this.
 scale=this.bounded(Math.min((this.width-2*t)/n,(this.height-2*t)/i)),this.x=this.width/2-(e.left+e.right)/2*this.scale,this.y=this.height/2-
 (e.top+e.bottom)/2*this.scale,this.changed.say()}pan(e,t){this.x+=e*this.ratio,this.y+=t*this.ratio,this.keep(),this.changed.say()}zoom(e,t=this.
 width/this.ratio/2,n=this.height/this.ratio/2){let[i,o]=this.mm(t,n);this.scale=this.bounded(this.scale*e),this.x=t*this.ratio-i*this.scale,
 this.y=n*this.ratio-o*this.scale,this.keep(),this.changed.say()}set(e){this.zoom(e/this.scale)}bounded(e){return Math.min(lr*this.ratio,Math.
-max(ar/Math.max(...this.paper),e))}keep(){let e=Dt*this.ratio;this.x=Math.min(this.width-e,Math.max(e-this.paper[0]*this.scale,this.x)),this.
-y=Math.min(this.height-e,Math.max(e-this.paper[1]*this.scale,this.y))}};var cr=[["cells","Voronoi cells"],["axes","Axes"],["flow","Flow of the picture"]],ur=300;function Ct(r,e){let{appearance:t}=r;return m("div",
-{class:"panel"},m("h2",{},"Beneath"),It("Shown",t.under,[["picture","picture"],["tone","tone"],["importance","importance"],["none","nothing"]]),
+max(ar/Math.max(...this.paper),e))}keep(){let e=Ct*this.ratio;this.x=Math.min(this.width-e,Math.max(e-this.paper[0]*this.scale,this.x)),this.
+y=Math.min(this.height-e,Math.max(e-this.paper[1]*this.scale,this.y))}};var cr=[["cells","Voronoi cells"],["axes","Axes"],["flow","Flow of the picture"]],ur=300;function It(r,e){let{appearance:t}=r;return m("div",
+{class:"panel"},m("h2",{},"Beneath"),Dt("Shown",t.under,[["picture","picture"],["tone","tone"],["importance","importance"],["none","nothing"]]),
 hr("Opacity",t.opacity),m("h2",{},"Over it"),...cr.map(([n,i])=>mr(r,n,i,e)),ve("Edge, margin and canvas",t.guides),ve("Rulers",t.rulers),m(
-"h2",{},"Page"),It("Colours",t.theme,[["system","as the system"],["light","light"],["dark","dark"]]),ve("Shortcuts of one character",t.keys))}
-function It(r,e,t){let n=m("select",{id:E("view"),change:()=>e.value=n.value},...t.map(([i,o])=>m("option",{value:i},o)));return e.on(i=>n.value=
+"h2",{},"Page"),Dt("Colours",t.theme,[["system","as the system"],["light","light"],["dark","dark"]]),ve("Shortcuts of one character",t.keys))}
+function Dt(r,e,t){let n=m("select",{id:E("view"),change:()=>e.value=n.value},...t.map(([i,o])=>m("option",{value:i},o)));return e.on(i=>n.value=
 i),m("div",{class:"knob"},m("label",{for:n.id},r),m("div",{class:"knob-inputs"},n))}function hr(r,e){let t=m("input",{type:"range",id:E("vie\
 w"),min:0,max:1,step:.01,input:()=>e.value=t.valueAsNumber});return e.on(n=>t.value=String(n)),m("div",{class:"knob"},m("label",{for:t.id},r),
 m("div",{class:"knob-inputs"},t))}function ve(r,e){let t=m("input",{type:"checkbox",id:E("view"),change:()=>e.value=t.checked});return e.on(
-n=>t.checked=n),m("div",{class:"knob knob-flag"},t,m("label",{for:t.id},r))}function mr(r,e,t,n){let i=new L(!1),o=-1,s=!1,a,l=async()=>{let u=r.
+n=>t.checked=n),m("div",{class:"knob knob-flag"},t,m("label",{for:t.id},r))}function mr(r,e,t,n){let i=new T(!1),o=-1,s=!1,a,l=async()=>{let u=r.
 drawing.state.value;!i.value||s||!u||u.revision===o||u.busy&&!u.busy.paused||(s=!0,o=u.revision,await r.ask({do:"show",what:e,...r.layer.value===
 null?{}:{layer:r.layer.value}})||(i.value=!1),s=!1,i.value||n(e))},c=()=>{clearTimeout(a),a=setTimeout(()=>{l()},ur)};return i.on(u=>{o=-1,u?
 l():n(e)}),r.drawing.hello.on(()=>o=-1),r.drawing.changed.on(c),ve(t,i)}function Be(r,e){if(!("transferControlToOffscreen"in HTMLCanvasElement.prototype)){document.body.textContent="The editor needs a browser tha\
 t paints in a thread of its own: Chromium 69, Firefox 105, Safari 16.4, or newer.";return}let t=new Worker(r),n=(h,d=[])=>t.postMessage(h,d),
-i=new L(null);t.addEventListener("message",h=>i.value=h.data);let o=new ce;t.addEventListener("error",h=>o.error(`The painter has failed: ${h.
+i=new T(null);t.addEventListener("message",h=>i.value=h.data);let o=new ce;t.addEventListener("error",h=>o.error(`The painter has failed: ${h.
 message}. Load the page again; nothing is lost.`));let s=new le(e),a=new oe(s,new ae(s,n),new Z,new be,o,new te),l=new ue(a);pt(a);let c=xt(
 [{name:"Tool",panel:Et(a)},{name:"Layers",panel:nt(a)},{name:"Relax",panel:gt(a)},{name:"Style",panel:kt(a)},{name:"History",panel:Qe(a)},{name:"\
-View",panel:Ct(a,h=>n({do:"forget",what:h}))}]);a.tool.on(()=>c("Tool")),At(a),yt(a,n),Xe(a,dt(a,l,new fe(a)));let u="";a.drawing.hello.on(h=>{
+View",panel:It(a,h=>n({do:"forget",what:h}))}]);a.tool.on(()=>c("Tool")),At(a),yt(a,n),Xe(a,dt(a,l,new fe(a)));let u="";a.drawing.hello.on(h=>{
 if(h){u!==h.name&&(a.layer.value=a.region.value=null),u=h.name,a.tools.value=St(a,h.operations);for(let d of h.notes)o.note(d)}}),s.lost.on(
 h=>o.error(h)),Object.assign(window,{crowquill:{desk:a,painted:i}}),dr(a).finally(()=>s.connect())}async function dr(r){let e=await r.link.wire.
 get("libraries.json");e&&(r.libraries=JSON.parse(await e.text()))}var X=-1,Ot=128,_=class{constructor(e,t,n){this.side=n;this.columns=Math.max(1,Math.ceil(e/n)),this.rows=Math.max(1,Math.ceil(t/n)),this.head=
@@ -449,15 +450,15 @@ height)return;let s=(n-e)/(i-t);t<0&&(e-=t*s,t=0),i>this.height&&(n-=(i-this.hei
 0))return this.twice(e,t,n,i,0,s,o);if(l(a))return this.twice(e,t,n,i,a,s,o);e>=a&&n>=a||(e<=0&&n<=0?this.rows(0,t,i,0,o):this.rows(e,t,i,s,
 o))}twice(e,t,n,i,o,s,a){let l=t+(o-e)/s;a>0?(this.edge(e,t,o,l),this.edge(o,l,n,i)):(this.edge(n,i,o,l),this.edge(o,l,e,t))}rows(e,t,n,i,o){
 let s=this.width+2,a=this.sums,l=e;for(let c=Math.floor(t);c<n;c++){let u=Math.max(t,c),d=Math.min(n,c+1)-u;if(d<=0)continue;let p=l+i*d,f=o*
-d,[g,v]=l<p?[l,p]:[p,l],y=Math.floor(g),k=Math.ceil(v),T=c*s+y;if(k<=y+1){let x=(g+v)/2-y;a[T]+=f*(1-x),a[T+1]+=f*x}else{let x=1/(v-g),K=1-(g-
-y),S=.5*x*K*K,C=v-k+1,I=.5*x*C*C;if(a[T]+=f*S,k===y+2)a[T+1]+=f*(1-S-I);else{let R=x*(1.5-(g-y));a[T+1]+=f*(R-S);for(let W=y+2;W<k-1;W++)a[c*
-s+W]+=f*x;let ee=R+(k-y-3)*x;a[c*s+k-1]+=f*(1-ee-I)}a[c*s+k]+=f*I}l=p}}bytes(e){let t=this.width*this.height,n=e&&e.length>=t?e:new Uint8Array(
+d,[g,v]=l<p?[l,p]:[p,l],y=Math.floor(g),k=Math.ceil(v),L=c*s+y;if(k<=y+1){let x=(g+v)/2-y;a[L]+=f*(1-x),a[L+1]+=f*x}else{let x=1/(v-g),K=1-(g-
+y),S=.5*x*K*K,I=v-k+1,D=.5*x*I*I;if(a[L]+=f*S,k===y+2)a[L+1]+=f*(1-S-D);else{let R=x*(1.5-(g-y));a[L+1]+=f*(R-S);for(let V=y+2;V<k-1;V++)a[c*
+s+V]+=f*x;let ee=R+(k-y-3)*x;a[c*s+k-1]+=f*(1-ee-D)}a[c*s+k]+=f*D}l=p}}bytes(e){let t=this.width*this.height,n=e&&e.length>=t?e:new Uint8Array(
 t),i=0;for(let o=0;o<this.height;o++){let s=0,a=o*(this.width+2);for(let l=0;l<this.width;l++)s+=this.sums[a+l],n[i++]=Math.min(1,Math.abs(s))*
 255+.5|0}return n}};var $t=6,Rt=48,ze=1/64,Ht=16,B=4,fr=24e6,we=new Y,Me=class{kept=new Map;bytes=0;of(e,t,n,i,o,s){let a=Math.round(Math.log2(Math.max(ze,i*e.reach)/
 ze)*Rt),l=ze*2**(a/Rt),c=Math.max(1,Math.ceil(l*13)),u=Math.round(o/(2*Math.PI)*c)%c,[h,d]=[Math.min(B-1,Math.floor(t*B)),Math.min(B-1,Math.
 floor(n*B))],p=Math.round(s*Ht),f=Kt(this.kept,p,()=>new Map),g=Kt(f,e,()=>new Map),v=(a*256+u)*B*B+d*B+h,y=g.get(v);if(y)return y;let k={x:(h+
-.5)/B,y:(d+.5)/B},T=gr(e,k.x,k.y,l/e.reach,u/c*2*Math.PI,p/Ht);return this.bytes+=T.values.length+100,this.bytes>fr?this.clear():g.set(v,T),
-T}clear(){this.kept.clear(),this.bytes=0}};function gr(r,e,t,n,i,o){let s=Math.ceil(r.reach*n+o/2+1),a=2*s+1;we.over(-s,-s,a,a);let l={x:e,y:t,
+.5)/B,y:(d+.5)/B},L=gr(e,k.x,k.y,l/e.reach,u/c*2*Math.PI,p/Ht);return this.bytes+=L.values.length+100,this.bytes>fr?this.clear():g.set(v,L),
+L}clear(){this.kept.clear(),this.bytes=0}};function gr(r,e,t,n,i,o){let s=Math.ceil(r.reach*n+o/2+1),a=2*s+1;we.over(-s,-s,a,a);let l={x:e,y:t,
 cos:n*Math.cos(i),sin:n*Math.sin(i)};return o>0?we.stroke(r.rings(n),l,o):we.fill(r.rings(n),l),{left:-s,top:-s,width:a,height:a,values:we.bytes()}}
 function Kt(r,e,t){let n=r.get(e);return n===void 0&&r.set(e,n=t()),n}var b=256,yr=2*Math.PI/65536,Q=class{values=new Uint8Array(b*b);left=b;top=b;right=0;bottom=0;get touched(){return this.left<this.right}clear(){
 for(let e=this.top;e<this.bottom;e++)this.values.fill(0,e*b+this.left,e*b+this.right);this.left=this.top=b,this.right=this.bottom=0}touch(e,t,n,i){
@@ -473,12 +474,12 @@ let u=e.within(c.id,a,l,a+b*s,l+b*s,this.found);u&&this.layer(e,c,u,t,n*b,i*b),t
 lay(this.selected,o.selected)}for(let c of e.lines.values())c.within(a,l,a+b*s,l+b*s,(u,h,d,p)=>this.ink.line(u*t-n*b,h*t-i*b,d*t-n*b,p*t-i*
 b)),this.lay(this.ink,o.lines);return this.image}layer(e,t,n,i,o,s){let{items:a}=e,l=i/1e3;for(let c=0;c<n;c++){let u=this.found.ids[c],h=e.
 kinds.get(a.kind[u]);if(!h)continue;let[d,p,f]=[a.x[u]*l-o,a.y[u]*l-s,a.scale[u]*l],g=t.pen===null?h.closed?0:1:Math.max(t.pen*i,.1),v=h.reach*
-f,y=v+g/2+1;if(d+y<0||p+y<0||d-y>=b||p-y>=b)continue;let k=a.flags[u],T=a.fill[u],x=k&1?this.selected:k&2?this.frozen:this.ink,K=T>=16777216&&
-x===this.ink;K&&this.lay(this.ink,t.rgb);let S=a.turn[u]*yr;if(v<=$t){let[C,I]=[Math.floor(d),Math.floor(p)],R=this.sprites.of(h,d-C,p-I,f,S,
-g);x.blend(R.values,C+R.left,I+R.top,R.width,R.height)}else{let[C,I]=[Math.max(0,Math.floor(d-y)),Math.max(0,Math.floor(p-y))],[R,ee]=[Math.
-min(b,Math.ceil(d+y)),Math.min(b,Math.ceil(p+y))];this.coverage.over(C,I,R-C,ee-I);let W={x:d,y:p,cos:f*Math.cos(S),sin:f*Math.sin(S)};g>0?this.
-coverage.stroke(h.rings(f),W,g):this.coverage.fill(h.rings(f),W),this.patch=this.coverage.bytes(this.patch),x.blend(this.patch,C,I,R-C,ee-I)}
-K&&this.lay(this.ink,[T>>16&255,T>>8&255,T&255])}}lay(e,t){if(!e.touched)return;let{data:n}=this.image,[i,o,s]=t,{values:a}=e;for(let l=e.top;l<
+f,y=v+g/2+1;if(d+y<0||p+y<0||d-y>=b||p-y>=b)continue;let k=a.flags[u],L=a.fill[u],x=k&1?this.selected:k&2?this.frozen:this.ink,K=L>=16777216&&
+x===this.ink;K&&this.lay(this.ink,t.rgb);let S=a.turn[u]*yr;if(v<=$t){let[I,D]=[Math.floor(d),Math.floor(p)],R=this.sprites.of(h,d-I,p-D,f,S,
+g);x.blend(R.values,I+R.left,D+R.top,R.width,R.height)}else{let[I,D]=[Math.max(0,Math.floor(d-y)),Math.max(0,Math.floor(p-y))],[R,ee]=[Math.
+min(b,Math.ceil(d+y)),Math.min(b,Math.ceil(p+y))];this.coverage.over(I,D,R-I,ee-D);let V={x:d,y:p,cos:f*Math.cos(S),sin:f*Math.sin(S)};g>0?this.
+coverage.stroke(h.rings(f),V,g):this.coverage.fill(h.rings(f),V),this.patch=this.coverage.bytes(this.patch),x.blend(this.patch,I,D,R-I,ee-D)}
+K&&this.lay(this.ink,[L>>16&255,L>>8&255,L&255])}}lay(e,t){if(!e.touched)return;let{data:n}=this.image,[i,o,s]=t,{values:a}=e;for(let l=e.top;l<
 e.bottom;l++)for(let c=l*b+e.left;c<l*b+e.right;c++){let u=a[c];if(!u)continue;let h=4*c,p=n[h+3]*(255-u)/255,f=u+p;n[h]=(i*u+n[h]*p)/f,n[h+
 1]=(o*u+n[h+1]*p)/f,n[h+2]=(s*u+n[h+2]*p)/f,n[h+3]=f}e.clear()}};var wr={tone:r=>[32,32,32,r],importance:r=>r>127?[120,30,170,Math.min(255,(r-127)*2)]:[0,120,60,(127-r)*2]},xe=class{images=new Map;size=[1,
 1];art=[0,0,1,1];show(e,t){this.images.delete(e),t&&this.images.set(e,Mr(t))}forgetMaps(){this.images.delete("tone"),this.images.delete("imp\
@@ -489,7 +490,7 @@ d").putImageData(o,e.left,e.top),this.images.set(e.map,[i]);let[s,a,l,c]=this.ar
 t,l*t),this.lay(e,o.under,this.art,t,n,i,o.opacity);for(let c of s)c.kind==="still"&&!c.hidden&&this.lay(e,c.id,[0,0,a,l],t,n,i,1)}lay(e,t,n,i,o,s,a){
 let l=this.images.get(t);if(!l||!a)return;let c=n[2]*i,u=l.findLast(h=>h.width>=c)??l[0];e.globalAlpha=a,e.imageSmoothingEnabled=c<8*u.width,
 e.drawImage(u,n[0]*i-o,n[1]*i-s,c,n[3]*i),e.globalAlpha=1}};function Mr(r){let e=[r];for(let t=r;Math.min(t.width,t.height)>128;){let n=new OffscreenCanvas(
-Math.ceil(t.width/2),Math.ceil(t.height/2));n.getContext("2d").drawImage(t,0,0,n.width,n.height),e.push(t=n)}return e}var kr=14,xr=70,Er=240,We=class{scene=new ye;underlay=new xe;tilePainter=new ke;marks=new OffscreenCanvas(b,b);whole=new OffscreenCanvas(b,b);canvas=null;look=null;view={
+Math.ceil(t.width/2),Math.ceil(t.height/2));n.getContext("2d").drawImage(t,0,0,n.width,n.height),e.push(t=n)}return e}var kr=14,xr=70,Er=240,Ve=class{scene=new ye;underlay=new xe;tilePainter=new ke;marks=new OffscreenCanvas(b,b);whole=new OffscreenCanvas(b,b);canvas=null;look=null;view={
 scale:1,x:0,y:0};tiles={scale:0,all:new Map};before=null;zoomed=0;asked=!1;frames=0;coming=0;missing=0;revision=0;shown=0;take(e){switch(e.do){case"\
 canvas":this.canvas=e.canvas;break;case"begin":this.scene.begin(...e.size),[this.underlay.size,this.underlay.art]=[e.size,e.art];break;case"\
 state":e.reset&&(this.scene.reset(),this.underlay.forgetMaps()),this.scene.know(e.kinds),this.scene.list(e.layers),this.coming=e.revision,this.
@@ -517,12 +518,12 @@ close(),this.tiles.all.delete(t))}draw(e){let{view:t,look:n,scene:i}=this,{width
 let[a,l]=[Math.round(t.x),Math.round(t.y)];e.fillStyle=n.paper,e.fillRect(a,l,i.width/1e3*t.scale,i.height/1e3*t.scale);for(let c of[this.before,
 this.tiles]){if(!c)continue;let u=t.scale/c.scale,h=b*u;for(let{column:d,row:p,bitmap:f}of c.all.values()){let[g,v]=[a+d*h,l+p*h];!f||g>=o||
 v>=s||g+h<=0||v+h<=0||(u===1?e.drawImage(f,g,v):e.drawImage(f,g,v,h,h))}}}};function Nt(r){for(let e of r?.all.values()??[])e.bitmap?.close();
-return null}function Bt(){let r=new We;addEventListener("message",e=>r.take(e.data))}function Ut(){return{open(){let r=new WebSocket(new URL("socket",location.href.replace(/^http/,"ws")));return r.binaryType="arraybuffer",r},
-async get(r){let e=await fetch(new URL(r,location.href));return e.ok?e.blob():null}}}var Ve=class extends EventTarget{constructor(t){super();
+return null}function Bt(){let r=new Ve;addEventListener("message",e=>r.take(e.data))}function Ut(){return{open(){let r=new WebSocket(new URL("socket",location.href.replace(/^http/,"ws")));return r.binaryType="arraybuffer",r},
+async get(r){let e=await fetch(new URL(r,location.href));return e.ok?e.blob():null}}}var We=class extends EventTarget{constructor(t){super();
 this.tell=t;queueMicrotask(()=>{t({open:!0}),this.readyState=WebSocket.OPEN,this.dispatchEvent(new Event("open"))})}tell;readyState=WebSocket.
 CONNECTING;send(t){this.tell({text:t})}hear(t){this.dispatchEvent(new MessageEvent("message",{data:t}))}close(t=1e3){this.readyState=WebSocket.
 CLOSED,this.dispatchEvent(new CloseEvent("close",{code:t}))}};function zt(r){let e=null,t=new Map,n=i=>r.postMessage(i);return r.onmessage=({
 data:i})=>{if("text"in i)e?.hear(i.text);else if("frame"in i)e?.hear(i.frame);else if("closed"in i)e?.close(i.closed);else{for(let o of t.get(
-i.got)??[])o(i.data&&new Blob([i.data],{type:i.type}));t.delete(i.got)}},{open:()=>e=new Ve(n),get:i=>new Promise(o=>{t.set(i,[...t.get(i)??
+i.got)??[])o(i.data&&new Blob([i.data],{type:i.type}));t.delete(i.got)}},{open:()=>e=new We(n),get:i=>new Promise(o=>{t.set(i,[...t.get(i)??
 [],o]),n({get:i})})}}if(typeof document>"u")Bt();else{let r=document.currentScript;if(r.src)Be(r.src,Ut());else{let e=URL.createObjectURL(new Blob([r.textContent??
 ""],{type:"text/javascript"}));window.addEventListener("message",t=>t.ports[0]&&Be(e,zt(t.ports[0])),{once:!0})}}})();
