@@ -5,7 +5,7 @@ DEBIAN := poppler-utils ghostscript chromium default-jre-headless libpdfbox2-jav
 	libbcprov-java libactivation-java libjaxb-api-java
 PREFLIGHT := /usr/share/java/preflight.jar
 
-.PHONY: plate test soak bench gallery clean
+.PHONY: plate test soak bench gallery page clean
 
 plate: .venv/installed
 	$(BIN)/crowquill stipple gallery/specimen.png plate.pdf plate.svg --pen 0.3mm --paper a4 --check-bar
@@ -19,9 +19,19 @@ soak: .venv/tested tools-for-tests
 bench: .venv/tested
 	$(BIN)/python bench/bench.py
 	$(BIN)/python bench/editor.py
+	$(BIN)/python bench/editor_page.py
 
 gallery: .venv/tested
 	for script in gallery/*.py; do $(BIN)/python $$script || exit 1; done
+
+# The editor's page from its sources in web; users need neither Node nor this.
+page: web/node_modules/made
+	npm run --prefix web --silent types
+	npm run --prefix web --silent build
+
+web/node_modules/made: web/package-lock.json
+	npm ci --prefix web --silent --no-fund --no-audit
+	touch $@
 
 .venv/made:
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "crowquill takes Python 3.11 or newer; say which: make PYTHON=python3.12")'
@@ -39,6 +49,7 @@ gallery: .venv/tested
 # Renderers that tests measure with. Where they cannot be installed, the tests that need them are reported as not run.
 .PHONY: tools-for-tests
 tools-for-tests:
+	@command -v npm >/dev/null && $(MAKE) --silent web/node_modules/made || echo "NOT INSTALLED: Node's packages; tests of the page's sources will be reported as not run"
 	@[ $$(command -v pdftoppm gs chromium java | wc -l) = 4 ] && [ -e $(PREFLIGHT) ] \
 	|| { [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null && apt-get update -qq && \
 	     DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(DEBIAN) >/dev/null; } \
