@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import shapely
 
 from crowquill import relax
 from crowquill.marks import Glyph, Marks
@@ -90,10 +89,9 @@ def cut_white(tone: Tone, white: float, rule: str = "before") -> tuple[Tone, npt
 
 def widest(tone: Tone, pen: float | None, default: float) -> float:
     """The pen, or the default one as fine as the canvas is narrow. Raises ValueError for a pen wider than the canvas."""
-    across = float(np.diff(np.array(shapely.bounds(tone.canvas)).reshape(2, 2), axis=0).min())
-    if pen is not None and pen > across:
-        raise ValueError(f"a pen of {pen:g} mm is wider than the canvas of {across:.4g} mm; use a finer pen")
-    return min(default, across) if pen is None else pen
+    if pen is not None and pen > tone.across:
+        raise ValueError(f"a pen of {pen:g} mm is wider than the canvas of {tone.across:.4g} mm; use a finer pen")
+    return min(default, tone.across) if pen is None else pen
 
 
 def planned(
@@ -113,11 +111,10 @@ def planned(
           where it is white to the other's where it is darkest, in proportion to the ink
     """
     asked, blank = cut_white(tone, white, white_rule)
-    across = widest(tone, None, np.inf)
     width = widest(tone, pen, PEN)
     for _ in range(2 if dots is not None and pen is None else 0):  # how wide a dot is decides how far around it tone is looked at
         ink = _ink(*_crowded(*_nominal(asked, width, span, min_gap), span))
-        width = min(across, 2 * float(np.sqrt(ink / (np.pi * (dots or 1)))) / span[1]) if ink else PEN
+        width = min(tone.across, 2 * float(np.sqrt(ink / (np.pi * (dots or 1)))) / span[1]) if ink else PEN
     nominal, top = _nominal(asked, width, span, min_gap)
     crowd, peak = _crowded(nominal, top, span)
     ink = _ink(crowd, peak)

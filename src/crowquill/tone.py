@@ -143,6 +143,11 @@ class Tone:
         return self.size[0] / self.coverage.shape[1], self.size[1] / self.coverage.shape[0]
 
     @property
+    def across(self) -> float:
+        """The shorter side of the rectangle around the canvas, mm."""
+        return float(np.diff(np.array(shapely.bounds(self.canvas)).reshape(2, 2), axis=0).min())
+
+    @property
     def ink(self) -> float:
         """The area of ink asked for inside the canvas, mm^2."""
         return float((self.coverage * self.inside).sum() * self.pixel[0] * self.pixel[1])
