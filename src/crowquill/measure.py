@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import shapely
 
@@ -12,6 +14,7 @@ from crowquill.paths import Array
 LINES = 16  # across the mean mark: its area comes out within half a percent, and errors of many marks cancel
 JOINED = 3000  # marks: shapely joins so many in half a second
 FLAT = 2e-4  # of a unit glyph
+TRIES, SAME = 8, 1e-3  # of factors, until the ink is as near as this
 
 
 def rendered(marks: Marks, size: tuple[float, float], grid: tuple[int, int], *, pitch: float | None = None) -> Array:
@@ -48,6 +51,24 @@ def ink(marks: Marks) -> float:
         outlines = crowd.outlines().flat(FLAT * float(marks.scale.min())).polygons()
         return alone + float(shapely.area(shapely.union_all(outlines)))
     return alone + _lined(crowd, reach.max())
+
+
+def covering(marks: Marks, mm2: float, limits: tuple[float, float] = (0.8, 1.25)) -> tuple[Marks, float]:
+    """The marks, all larger or smaller by one factor within the limits, so that they cover so much paper, and what they then cover.
+
+    Within 0.1 % where the limits let them; marks that cover nothing stay as they are.
+    """
+    factor, covered, slope = 1.0, ink(marks), 2.0  # of the logarithms: 2 while none meet
+    for _ in range(TRIES):
+        if not covered or not mm2 or abs(covered / mm2 - 1) < SAME:
+            break
+        other = float(np.clip(factor * (mm2 / covered) ** (1 / slope), *limits))
+        if other == factor:
+            break
+        there = ink(replace(marks, scale=marks.scale * other))
+        slope = float(np.clip(np.log(there / covered) / np.log(other / factor), 0.2, 2.0))
+        factor, covered = other, there
+    return replace(marks, scale=marks.scale * factor), covered
 
 
 def _lined(marks: Marks, edge: float) -> float:
