@@ -32,6 +32,7 @@ spacing objects parting tesserae
 settling shapes
 relax route
 stippling screening laying inkdots exemplar
+contrast
 plotting finishing
 styles formats
 recipe seen calibration
