@@ -22,7 +22,7 @@ knobs
 paths
 heap
 hilbert halftone vector picture delaunay lettering marks hatching
-light
+light frontier
 tone tracing sheet curves
 cells glyphs raster forme scale plotforms greydots printable
 trimming plots

@@ -104,18 +104,20 @@ def planned(
     min_gap: float,
     max_dots: int,
     span: tuple[float, float] = (1.0, 1.0),
+    rendered: Array = RENDERED,
 ) -> Plan:
     """How many dots of what diameter the tone takes, before any is placed.
 
-    span  diameters of the smallest and the largest dots over the pen's: the mean area of dots rises from the one's
-          where it is white to the other's where it is darkest, in proportion to the ink
+    span      diameters of the smallest and the largest dots over the pen's: the mean area of dots rises from the one's
+              where it is white to the other's where it is darkest, in proportion to the ink
+    rendered  what dots that are not relaxed cover where their areas sum to NOMINAL of the paper
     """
     asked, blank = cut_white(tone, white, white_rule)
     width = widest(tone, pen, PEN)
     for _ in range(2 if dots is not None and pen is None else 0):  # how wide a dot is decides how far around it tone is looked at
-        ink = _ink(*_crowded(*_nominal(asked, width, span, min_gap), span))
+        ink = _ink(*_crowded(*_nominal(asked, width, span, min_gap, rendered), span))
         width = min(tone.across, 2 * float(np.sqrt(ink / (np.pi * (dots or 1)))) / span[1]) if ink else PEN
-    nominal, top = _nominal(asked, width, span, min_gap)
+    nominal, top = _nominal(asked, width, span, min_gap, rendered)
     crowd, peak = _crowded(nominal, top, span)
     ink = _ink(crowd, peak)
     wanted = round(ink / (np.pi * (span[1] * width) ** 2 / 4)) if dots is None else dots if ink else 0
@@ -146,7 +148,7 @@ def _cap(pen: float, gap: float) -> float:
     return min(CAP, 0.46 * (pen / (pen + gap)) ** 2) if gap else CAP
 
 
-def _nominal(asked: Tone, pen: float, span: tuple[float, float], gap: float) -> tuple[Tone, float]:
+def _nominal(asked: Tone, pen: float, span: tuple[float, float], gap: float, rendered: Array) -> tuple[Tone, float]:
     """Coverage before overlap over NOMINAL's last, and its greatest value where it is darkest.
 
     How much dots overlap follows the tone around a dot, not under one pixel: fine texture
@@ -160,9 +162,9 @@ def _nominal(asked: Tone, pen: float, span: tuple[float, float], gap: float) -> 
     around = pen * float(np.sqrt((span[0] ** 2 + span[1] ** 2) / 2))
     sigma = [around / side for side in reversed(asked.pixel)]
     near = np.clip(gaussian_filter(np.minimum(asked.coverage, cap), sigma, mode="nearest", truncate=3.0), 1e-6, cap)
-    swell = np.interp(near, RENDERED, NOMINAL) / near
+    swell = np.interp(near, rendered, NOMINAL) / near
     nominal = asked.mapped(lambda c: np.clip(np.minimum(c, cap) * swell / NOMINAL[-1], 0, 1))
-    return nominal, float(np.interp(cap, RENDERED, NOMINAL)) / NOMINAL[-1]
+    return nominal, float(np.interp(cap, rendered, NOMINAL)) / NOMINAL[-1]
 
 
 def _ink(crowd: Tone, peak: float = 1.0) -> float:
