@@ -96,6 +96,7 @@ def main(quick: bool) -> None:
     halftoned(d)
     settled(small, d)
     mosaics(d)
+    structured(small, d)
     judged(d)
     routed(d)
     if not quick:
@@ -155,6 +156,15 @@ def mosaics(d: float) -> None:
     tone = Tone(np.where(np.hypot(x - 0.5, y - 0.5) < 0.3, 0.7, 0.3), (180, 180))
     for mode in ("hausner", "rows", "lloyd", "cells"):
         row(f"mosaic {mode}, 20 000 stones", seconds(partial(crowquill.draw, "mosaic", tone, mode=mode, tiles=20_000), 1), d, "bar 120 D")
+
+
+def structured(tone: Tone, d: float) -> None:
+    """About 20 000 dots of styles that heed structure on 1 Mpx: for a pen, which takes one pass or two, and by their number."""
+    for style, knobs, bar in (("contrast", {"pen": 0.59}, 12), ("contrast", {"dots": 20_000}, 60), ("frontier", {"dots": 20_000}, 20)):
+        sheet = crowquill.draw(style, tone, **knobs)
+        said = ", ".join(f"{key} {value}" for key, value in knobs.items())
+        passes = f"{sheet.report['iterations']} {'levels' if style == 'frontier' else 'passes'}; bar {bar} D"
+        row(f"{style}, {said}: {len(sheet.marks)} dots", seconds(partial(crowquill.draw, style, tone, **knobs), 2), d, passes)
 
 
 def routed(d: float) -> None:

@@ -26,7 +26,7 @@ MIDDLE = 0.5
 SIDE, EDGE = 56, 8  # pixels of a patch whose ink counts, and to either side of it of the same tone
 AREAS, HALVINGS = (0.2, 60.0), 9  # pixels between which the area of a dot is sought, to a hundredth
 MOST = 12_000_000  # pixels: a gigabyte
-ROUNDS, NEAR = 10, 0.005  # of a search for a number of dots: how many, and what error ends it
+ROUNDS, NEAR = 10, 0.01  # of a search for a number of dots: how many, and what error ends it
 Bits = npt.NDArray[np.bool_]
 
 
@@ -92,12 +92,14 @@ class Texture:
 
         (h, w), (width, height) = self.dark.shape, grid.tone.size
         wide = max(width, height * w / h) if self.width is None else self.width
-        columns, rows = (max(1, round(side / grid.cell)) for side in (wide, wide * h / w))
-        across, down = (np.arange(min(n, most) + 1) for n, most in ((columns, grid.columns), (rows, grid.rows)))
-        tile = averaged(self.dark, across * w / columns, down * h / rows)
+        sides = wide * h / w, wide
+        places = [(np.arange(n) + 0.5) * grid.cell / side % 1 for n, side in zip((grid.rows, grid.columns), sides, strict=True)]
+        counts = [max(1, round(side / grid.cell)) for side in sides]  # cells to a tile, of which the grid may show a part
+        ends = [np.arange(min(n, len(place)) + 1) / n for n, place in zip(counts, places, strict=True)]
+        tile = averaged(self.dark, ends[1] * w, ends[0] * h)
         rank = (rankdata(tile, axis=None).reshape(tile.shape) - 0.5) / tile.size
-        there = rank[np.arange(grid.rows)[:, None] % rows, np.arange(grid.columns) % columns]
-        return np.asarray(coverage + self.strength * (2 * there - 1) * np.minimum(coverage, 1 - coverage))
+        row, column = (np.minimum((place * n).astype(np.int64), len(end) - 2) for place, n, end in zip(places, counts, ends, strict=True))
+        return np.asarray(coverage + self.strength * (2 * rank[np.ix_(row, column)] - 1) * np.minimum(coverage, 1 - coverage))
 
 
 @dataclass(frozen=True, eq=False)

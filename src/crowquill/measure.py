@@ -53,19 +53,22 @@ def ink(marks: Marks) -> float:
     return alone + _lined(crowd, reach.max())
 
 
-def covering(marks: Marks, mm2: float, limits: tuple[float, float] = (0.8, 1.25)) -> tuple[Marks, float]:
-    """The marks, all larger or smaller by one factor within the limits, so that they cover so much paper, and what they then cover.
+def covering(marks: Marks, mm2: float, limits: tuple[float, float]) -> tuple[Marks, float]:
+    """The marks, all larger or smaller by one factor so that they cover so much paper, and how much that is, mm^2.
 
-    Within 0.1 % where the limits let them; marks that cover nothing stay as they are.
+    limits  of the factor, from 1 or less to 1 or more; within them the paper comes out to 0.1 %
+
+    Marks that cover nothing stay as they are, and so do all where nothing is to be covered.
     """
-    factor, covered, slope = 1.0, ink(marks), 2.0  # of the logarithms: 2 while none meet
+    reach = np.array([glyph.reach for glyph in marks.glyphs])[marks.glyph] * marks.scale
+    factor, covered, slope = 1.0, _lined(marks, reach.max()) if reach.any() else 0.0, 2.0  # of the logarithms: 2 where none meet
     for _ in range(TRIES):
         if not covered or not mm2 or abs(covered / mm2 - 1) < SAME:
             break
         other = float(np.clip(factor * (mm2 / covered) ** (1 / slope), *limits))
         if other == factor:
             break
-        there = ink(replace(marks, scale=marks.scale * other))
+        there = _lined(replace(marks, scale=marks.scale * other), other * reach.max())
         slope = float(np.clip(np.log(there / covered) / np.log(other / factor), 0.2, 2.0))
         factor, covered = other, there
     return replace(marks, scale=marks.scale * factor), covered

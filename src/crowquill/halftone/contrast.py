@@ -19,7 +19,6 @@ Bits = npt.NDArray[np.bool_]
 ORDERS = ("priority", "raster")
 EXPONENT = {"priority": 2.0, "raster": 2.6}  # as published
 WHITE, HALF = 255.0, 127.0  # levels: black is 0, and a pixel of HALF or less becomes black
-LOWEST, HIGHEST = 1.0, 254.0  # to which errors take a pixel: one at 0 or 255 would have no weight ever after
 CHANCE = 1e-4  # levels by which chance parts pixels of one priority
 
 
@@ -31,7 +30,7 @@ class Diffusing:
     mask         pixels, the diameter of the disc that takes a pixel's error
     exponent     weights fall with distance to this power; None is the published one of the order
     more, less   G+ and G-: errors of black pixels are multiplied by r^G+, those of white ones by r^-G-, so that fewer are black
-    extra        k: what of the ink of a dot beyond its pixel counts as error, levels to the pixel
+    extra        k: what of the ink of a dot beyond its pixel counts as error, levels to the pixel; not of one on full black
     radii        r, in pixels, where the picture is white and where it is black, straight between them
     """
 
@@ -129,7 +128,7 @@ def _decided(pixel: int, level: Array, up: Array, down: Array, ink: Array, black
     if value > HALF:
         return float((value - WHITE) * down.ravel()[pixel])
     black.ravel()[pixel] = True
-    return float((value + ink.ravel()[pixel]) * up.ravel()[pixel])
+    return float((value + ink.ravel()[pixel]) * up.ravel()[pixel]) if value > 0 else 0.0
 
 
 @compiled
@@ -154,7 +153,5 @@ def _shared(pixel: int, error: float, level: Array, row: Index, column: Index, n
             total += part
             n += 1
     for k in range(n):
-        value = flat[at[k]]
-        # not even an error of its own makes white or black anything else
-        flat[at[k]] = max(min(value + error * weight[k] / total, max(HIGHEST, value)), min(LOWEST, value))
+        flat[at[k]] = min(max(flat[at[k]] + error * weight[k] / total, 0.0), WHITE)
     return n

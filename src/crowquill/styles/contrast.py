@@ -32,6 +32,7 @@ SPAN = (0.5, 1.7)  # smallest and largest dots over the mean one, about
 G = 5.0  # as published; sets of dots then cover what is asked with radii near the published ones too
 OFF = 0.03  # of the pen, by which the mean dot may differ from it
 TRIES = 4  # of pitches for a pen
+SCALED = (0.4, 1.25)  # times the size that flat tones ask for: less where edges have many dots, hardly more where lights have none
 MISSED = 0.02  # of the number of dots asked for: what is further off is said
 RATE = 4e5  # pixels a second, about, of a machine of 2024
 WHITE = Ink("white", (0.0, 0.0, 0.0, 0.0))
@@ -71,7 +72,7 @@ def draw(
                finer or coarser pixels leave the drawing its character. What cannot be met is reported
     g_plus, g_minus  at 0 there are as many dots as in a halftone, hardly differing in size. In lights of which G leaves too few
                dots tone is lost: by raster from 3 on, by priority from 7 on
-    size_by    "tone": dots of flat tones cover what is asked, up to 0.97; all together, by one factor from 0.8 to 1.25, what the
+    size_by    "tone": dots of flat tones cover what is asked, up to 0.97; all together, by one factor from 0.4 to 1.25, what the
                picture asks. "published": of radii by tone, in pixels, and the tone gives
     texture    moves each pixel towards black or white by its rank: the mean over it is the tone
     ground     "black" is filled, and its dots are white; "grey" is a tint, "toned" paper that has it, with black dots where the
@@ -166,7 +167,7 @@ class Brush:
             every = [replace(marks, scale=factor * marks.scale) for marks in every]
         if pen is not None or not self.by_tone:
             return [Drawn(marks, measure.ink(marks)) for marks in every]
-        return [Drawn(*measure.covering(marks, part.ink)) for marks, part in zip(every, wanted, strict=True)]
+        return [Drawn(*measure.covering(marks, part.ink, SCALED)) for marks, part in zip(every, wanted, strict=True)]
 
     def _marks(self, part: Set, found: Found, rng: np.random.Generator) -> Marks:
         """The dots of one ink: at the middles of pixels but for the jitter, and there too where that would take one off the canvas."""
@@ -235,7 +236,7 @@ def _warnings(report: dict[str, Any], tone: Tone, width: float, tone_gives: bool
     if not any(part["asked_mm2"] for part in report["inks"]):
         said.append("no ink: the picture is white, or lighter than the white cutoff, where it may be drawn on")
     elif not marks:
-        said.append(f"no dots: there is too little ink for one of {width:.4g} mm; a finer pen would draw it")
+        said.append(f"no dots: there is too little ink for one of {width:.4g} mm, or G leaves none; a finer pen or a lower G may draw some")
     elif dots is not None and abs(marks - dots) > MISSED * dots:
         said.append(f"{marks} dots in place of {dots}: the nearest that pixels of {report['pitch_mm']:.3g} mm give; another G may help")
     share = report["ink_placed_mm2"] / asked if asked and marks else 1.0
