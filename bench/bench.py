@@ -160,7 +160,7 @@ def mosaics(d: float) -> None:
 
 def structured(tone: Tone, d: float) -> None:
     """About 20 000 dots of styles that heed structure on 1 Mpx: for a pen, which takes one pass or two, and by their number."""
-    for style, knobs, bar in (("contrast", {"pen": 0.59}, 12), ("contrast", {"dots": 20_000}, 60), ("frontier", {"dots": 20_000}, 20)):
+    for style, knobs, bar in (("contrast", {"pen": 0.5}, 12), ("contrast", {"dots": 20_000}, 60), ("frontier", {"dots": 20_000}, 20)):
         sheet = crowquill.draw(style, tone, **knobs)
         said = ", ".join(f"{key} {value}" for key, value in knobs.items())
         passes = f"{sheet.report['iterations']} {'levels' if style == 'frontier' else 'passes'}; bar {bar} D"

@@ -112,15 +112,19 @@ class Wanted:
     seed: int
 
     @cached_property
+    def asked(self) -> Tone:
+        """The tone without what is on white."""
+        return cut_white(self.tone, self.white)[0]
+
+    @cached_property
     def ink(self) -> float:
         """mm^2 asked of this ink, that on white not counted."""
-        return cut_white(self.tone, self.white)[0].ink
+        return self.asked.ink
 
     def expected(self, rule: Diffusing) -> tuple[float, float]:
         """About how many dots there are to a pitch of 1 mm, and the sum of their areas in pixels, as if all were flat."""
-        asked = cut_white(self.tone, self.white)[0]
-        mean, tones = flat(rule), np.minimum(asked.coverage, CAP)
-        dots = mean.shares(tones) * asked.inside * asked.pixel[0] * asked.pixel[1]
+        mean, tones = flat(rule), np.minimum(self.asked.coverage, CAP)
+        dots = mean.shares(tones) * self.asked.inside * self.tone.pixel[0] * self.tone.pixel[1]
         return float(dots.sum()), float((dots * mean.areas(tones)).sum())
 
 

@@ -230,7 +230,10 @@ class Tone:
 
     def mapped(self, curve: Callable[[Array], Array]) -> Tone:
         """The same canvas with curve(coverage) for coverage; the curve takes and gives (h, w) of 0 to 1."""
-        return replace(self, coverage=curve(self.coverage))
+        changed = replace(self, coverage=curve(self.coverage))
+        if not self.is_rectangle:  # half a second of clipping on a traced specimen, and all that is drawn of it needs the same
+            vars(changed)["inside"] = self.inside
+        return changed
 
     def at(self, xy: npt.ArrayLike) -> Array:
         """Coverage of the pixel under each point, (n,); points outside take the nearest pixel."""
