@@ -103,7 +103,7 @@ def draw(
         drawn = brush.drawn(found, wanted, pen)
     clock.lap("draw")
     inks = [
-        {"ink": tint.label, "marks": len(part.marks), "asked_mm2": want.ink, "covered_mm2": part.covered}
+        {"ink": tint.ink.name, "marks": len(part.marks), "asked_mm2": want.ink, "covered_mm2": part.covered}
         for tint, want, part in zip(tints, wanted, drawn, strict=True)
     ]
     paper = {"white": 0.0, "black": 1.0}.get(ground, grey) * float(shapely.area(tone.canvas))
@@ -128,7 +128,7 @@ def draw(
     tone_gives = (pen is not None and dots is not None) or size_by == "published"
     report["warnings"] = _warnings(report, tone, width, tone_gives)
     layers = tuple(Layer(tint.ink, part.marks, tint.label) for tint, part in zip(tints, drawn, strict=True))
-    return Sheet(tone.size, _ground(ground, grey, tone) + layers, report=report)
+    return Sheet(tone.size, (*_ground(ground, grey, tone), *layers), report=report)
 
 
 @dataclass(frozen=True)
@@ -188,7 +188,7 @@ def _mean(drawn: list[Drawn]) -> float:
 def _tints(ground: str, grey: float) -> list[Tint]:
     """The inks on a ground."""
     if ground == "white":
-        return [Tint("dots", Ink(), lambda c: c, 1.0)]
+        return [Tint("", Ink(), lambda c: c, 1.0)]
     if ground == "black":
         return [Tint("white dots", WHITE, lambda c: 1 - c, -1.0)]
     dark = Tint("dots", Ink(), lambda c: np.maximum(0, (c - grey) / (1 - grey)), 1 - grey)

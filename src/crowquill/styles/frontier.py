@@ -95,7 +95,7 @@ def draw(
         "seconds": clock.laps,
     }
     report["warnings"] += _warnings(report, tone, plan, weight)
-    return Sheet(tone.size, (Layer(Ink(), marks, "dots"),), report=report)
+    return Sheet(tone.size, (Layer(Ink(), marks),), report=report)
 
 
 @dataclass(frozen=True, eq=False)
