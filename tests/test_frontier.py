@@ -180,6 +180,14 @@ def test_published_weights_say_what_they_do_to_the_tone() -> None:
     assert (finer[:, 0] > 20).mean() > (drawn("hills", dots=1000).marks.xy[:, 0] > 20).mean() + 0.03
 
 
+def test_neither_coarse_pixels_nor_the_canvas_make_edges() -> None:
+    coarse = np.tile(np.linspace(0.2, 0.8, 8), (6, 1))  # pixels of 5 mm
+    marks = draw("frontier", Tone(coarse, SIZE, shapely.box(3, 3, 37, 27)), dots=1500, edges=4.0).marks
+    inner = marks.xy[(marks.xy[:, 1] > 4) & (marks.xy[:, 1] < 26) & (marks.xy[:, 0] > 4) & (marks.xy[:, 0] < 36)]
+    assert (np.abs((inner[:, 0] + 2.5) % 5 - 2.5) < 0.5).mean() == pytest.approx(7 / 32, abs=0.018)  # 0.5 mm from a border of pixels
+    assert len(inner) / len(marks) == pytest.approx(32 * 22 / (34 * 24), abs=0.06)  # the rim has a few more, as at every border
+
+
 def test_several_seeds_begin_in_several_places() -> None:
     assert drawn("flat", dots=60, seeds=40).report["levels"][0] == 40 and drawn("flat", dots=60).report["levels"][0] == 3
     assert len(drawn("flat", dots=20, seeds=40).marks) == 20

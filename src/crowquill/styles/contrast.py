@@ -28,13 +28,13 @@ from crowquill.tone import Tone
 
 EITHER = ("pen", "dots")  # of which one is enough
 GROUNDS = ("white", "black", "grey", "toned")
-SPAN = (0.5, 1.7)  # smallest and largest dots over the mean one, about
-G = 5.0  # as published; sets of dots then cover what is asked with radii near the published ones too
+SPAN = (0.5, 1.7)  # smallest and largest dots over the mean one, about: what lines laid over them reckon with
+G = 5.0  # as published; the radii that keep the tone are then near the published ones too
 OFF = 0.03  # of the pen, by which the mean dot may differ from it
 TRIES = 4  # of pitches for a pen
 SCALED = (0.4, 1.25)  # times the size that flat tones ask for: less where edges have many dots, hardly more where lights have none
 MISSED = 0.02  # of the number of dots asked for: what is further off is said
-RATE = 4e5  # pixels a second, about, of a machine of 2024
+RATE = 6e5  # pixels a second and pass, about, of a machine of 2024
 WHITE = Ink("white", (0.0, 0.0, 0.0, 0.0))
 
 
@@ -102,29 +102,9 @@ def draw(
         found = yield from by_pitch(wanted, dots, pitch, rule)
         drawn = brush.drawn(found, wanted, pen)
     clock.lap("draw")
-    inks = [
-        {"ink": tint.ink.name, "marks": len(part.marks), "asked_mm2": want.ink, "covered_mm2": part.covered}
-        for tint, want, part in zip(tints, wanted, drawn, strict=True)
-    ]
-    paper = {"white": 0.0, "black": 1.0}.get(ground, grey) * float(shapely.area(tone.canvas))
-    asked = paper + sum(tint.darkens * want.ink for tint, want in zip(tints, wanted, strict=True))
-    placed = paper + sum(tint.darkens * part.covered for tint, part in zip(tints, drawn, strict=True))
-    report: dict[str, Any] = {
-        "marks": found.count,
-        "dots_asked": dots,
-        "pen_mm": _mean(drawn),
-        "pitch_mm": found.pitch,
-        "g": [rule.more, rule.less],
-        "glyphs": library.name,
-        "inks": inks,
-        "ink_asked_mm2": asked,
-        "ink_placed_mm2": placed,
-        "coverage_missing": max(0.0, 1 - placed / asked) if asked else 0.0,
-        "iterations": found.rounds,
-        "energy": 0.0,
-        "movement": 0.0,
-        "seconds": clock.laps,
-    }
+    report = _report(tone, tints, wanted, drawn, ground, grey)
+    report |= {"dots_asked": dots, "pitch_mm": found.pitch, "g": [rule.more, rule.less], "glyphs": library.name}
+    report |= {"iterations": found.rounds, "energy": 0.0, "movement": 0.0, "seconds": clock.laps}
     tone_gives = (pen is not None and dots is not None) or size_by == "published"
     report["warnings"] = _warnings(report, tone, width, tone_gives)
     layers = tuple(Layer(tint.ink, part.marks, tint.label) for tint, part in zip(tints, drawn, strict=True))
@@ -133,7 +113,7 @@ def draw(
 
 @dataclass(frozen=True)
 class Tint:
-    """One ink of a drawing: its layer's name, the coverage it is to give where the picture's is c, and how much darker it makes paper."""
+    """One ink of a drawing: its layer's name, the coverage it is to give for each of the picture's, and how much darker it makes paper."""
 
     label: str
     ink: Ink
@@ -211,7 +191,7 @@ def _planned(
     ratio = 2 * float(np.sqrt(area / per / np.pi)) if per else 2.0  # of a mean dot's diameter to the pitch
     pitch = float(np.sqrt(per / dots)) if dots and per else width / ratio
     count = dots if dots and per else round(per / pitch**2)
-    seconds = round(1 + 4 * tone.size[0] * tone.size[1] / pitch**2 / RATE, 1)
+    seconds = round(1 + 3 * tone.size[0] * tone.size[1] / pitch**2 / RATE, 1)
     return pitch, {"dots": count, "pen_mm": pen or ratio * pitch, "pitch_mm": pitch, "seconds": seconds}
 
 
@@ -228,6 +208,25 @@ def _by_pen(
             break
         pitch = min(pitch * pen / mean, wanted[0].tone.across)
     return replace(found, rounds=turn + 1), drawn
+
+
+def _report(tone: Tone, tints: list[Tint], wanted: tuple[Wanted, ...], drawn: list[Drawn], ground: str, grey: float) -> dict[str, Any]:
+    """What is reported of dots and ink: of each ink the paper that it covers, and of all together how dark the drawing is."""
+    every = list(zip(tints, wanted, drawn, strict=True))
+    paper = {"white": 0.0, "black": 1.0}.get(ground, grey) * float(shapely.area(tone.canvas))
+    asked = paper + sum(tint.darkens * want.ink for tint, want, _ in every)
+    placed = paper + sum(tint.darkens * part.covered for tint, _, part in every)
+    return {
+        "marks": sum(len(part.marks) for part in drawn),
+        "pen_mm": _mean(drawn),
+        "inks": [
+            {"ink": tint.ink.name, "marks": len(part.marks), "asked_mm2": want.ink, "covered_mm2": part.covered}
+            for tint, want, part in every
+        ],
+        "ink_asked_mm2": asked,
+        "ink_placed_mm2": placed,
+        "coverage_missing": max(0.0, 1 - placed / asked) if asked else 0.0,
+    }
 
 
 def _warnings(report: dict[str, Any], tone: Tone, width: float, tone_gives: bool) -> list[str]:

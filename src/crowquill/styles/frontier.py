@@ -58,8 +58,8 @@ def draw(
     order       level by level, each with about twice as many dots as the last (`levels` of the report): the first k are evenly
                 placed too, and a drawing of the picture once they are as much larger as they are fewer
     pen, dots   with a pen as many dots as the ink asks for, within 3 % of that diameter; with a number exactly so many, as
-                large as the ink asks for; with both the tone gives. On fine pixels of their own: a number larger than the
-                picture's is none too large, but for MOST pixels in all, of which the report says how many dots they took
+                large as the ink asks for; with both the tone gives. They lie on fine pixels of their own, so that there may be
+                more of them than the picture has; where even MOST pixels are too few, the report says so
     weight      "tone": flat tones are kept, and dots at edges are taken from everywhere; "published": density follows the square
                 of darkness and gradient, each over its deviation, `edges` being the gradient's factor; only the ink on the whole is kept
     importance  of the tone: more dots there, by weight "tone"
@@ -114,12 +114,22 @@ def _ground(tone: Tone, plan: Plan, weight: str, edges: float, noise: float, rng
     pitch = min(1 / (FINE * np.sqrt(densest)) if densest else np.inf, np.sqrt(area / min(tone.coverage.size, SEEN)), tone.across)
     grid = Grid.of(demand, max(float(pitch), float(np.sqrt(area / MOST))))
     wanted, held = grid.asked(0, grid.rows)
-    seen = replace(grid, tone=tone).asked(0, grid.rows)[0]
+    seen = _seen(tone, grid)
     held &= (wanted > 0) & ~_under(plan.white, grid)
     cost = frontier.tonal(wanted, seen, edges) if weight == "tone" else frontier.published(seen, edges)
     mean = float(cost[held].mean()) if held.any() else 1.0
     cost = np.where(held, np.maximum(cost, LEAST * mean), mean)  # no short way across white, which would join all its borders
     return Ground(grid, cost * rng.uniform(1 - noise, 1 + noise, cost.shape), held)
+
+
+def _seen(tone: Tone, grid: Grid) -> Array:
+    """The picture on a grid, whose slopes are its edges: means of finer pixels, straight lines between coarser ones, no canvas."""
+    from PIL import Image
+
+    if max(tone.pixel) <= grid.cell:
+        return replace(grid, tone=Tone(tone.coverage, tone.size)).asked(0, grid.rows)[0]
+    image = Image.fromarray(tone.coverage.astype(np.float32))
+    return np.asarray(image.resize((grid.columns, grid.rows), Image.Resampling.BILINEAR), np.float64)
 
 
 def _under(white: Bits, grid: Grid) -> Bits:
