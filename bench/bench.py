@@ -97,6 +97,7 @@ def main(quick: bool) -> None:
     settled(small, d)
     mosaics(d)
     aligned(d)
+    structured(small, d)
     judged(d)
     routed(d)
     if not quick:
@@ -165,6 +166,15 @@ def aligned(d: float) -> None:
     for style in ("hedcut", "isophote"):
         row(f"{style}, 20 000 dots, 1 Mpx", seconds(partial(crowquill.draw, style, tone, dots=20_000), 2), d, "bar 30 D")
     row("field.lines, strokes of 0.25 mm, 1 Mpx", seconds(partial(field.lines, tone, 0.25), 2), d)
+
+
+def structured(tone: Tone, d: float) -> None:
+    """About 20 000 dots of styles that heed structure on 1 Mpx: for a pen, which takes one pass or two, and by their number."""
+    for style, knobs, bar in (("contrast", {"pen": 0.5}, 12), ("contrast", {"dots": 20_000}, 60), ("frontier", {"dots": 20_000}, 20)):
+        sheet = crowquill.draw(style, tone, **knobs)
+        said = ", ".join(f"{key} {value}" for key, value in knobs.items())
+        passes = f"{sheet.report['iterations']} {'levels' if style == 'frontier' else 'passes'}; bar {bar} D"
+        row(f"{style}, {said}: {len(sheet.marks)} dots", seconds(partial(crowquill.draw, style, tone, **knobs), 2), d, passes)
 
 
 def routed(d: float) -> None:

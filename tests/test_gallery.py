@@ -25,6 +25,7 @@ SMALLER = {"plate": {"width": 50.0}, "sizes": {"width": 50.0}, "duotone": {"widt
 SMALLER |= {"figure_3_11": {"width": 40.0}, "figure_3_12": {"tile": 5.0}, "mixed_plate": {"tile": 4.0}, "stone_plate": {"tile": 4.0}}
 SMALLER |= {"journal_plate": {"pen": 0.6}, "outline": {"pen": 0.8}}
 SMALLER |= {"hedcut": {"pen": 0.9}, "isophote": {"pen": 0.9}, "edges": {"fine": 0.6, "broad": 0.9, "iterations": 3}}
+SMALLER |= {"contrast": {"dots": 900}, "frontier": {"every": 900}}
 COLOURED = {"measures", "plotter", "duotone", "figure_3_12", "editor", "editor_objects"}
 KILOBYTES = {"plate": 900, "specimen": 2500}  # of a PNG; 400 for the others
 SAVED = """if __name__ == "__main__":

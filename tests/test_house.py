@@ -20,18 +20,19 @@ LAYERS = """
 units kernel
 knobs
 paths
+heap
 hilbert halftone vector picture delaunay lettering marks hatching
-light
+light frontier
 tone tracing sheet curves
 cells glyphs raster forme scale plotforms greydots printable
 trimming plots
-moments measure field layout contact
+moments measure field layout contact grid
 spectrum quadrature texture likeness inertia tiles
 spacing objects parting tesserae
 settling shapes
 relax route
 stippling screening laying inkdots exemplar
-aligned
+aligned contrast
 plotting finishing
 styles formats
 recipe seen calibration

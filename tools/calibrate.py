@@ -1,25 +1,37 @@
-"""Prints the NOMINAL and RENDERED columns of stippling.py: what relaxed dots cover when their areas sum to more.
+"""Prints the NOMINAL and RENDERED columns of stippling.py, and RENDERED of styles/frontier.py: what dots cover whose areas sum to more.
 
-Flat tones are stippled without any correction for overlap, with the style's own start and steps,
+Flat tones are drawn without any correction for overlap, relaxed with the style's own start and steps or placed at the frontier,
 and the union of the dots is measured away from the border. Mean of three seeds.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
-from crowquill import glyphs, measure, relax
+from crowquill import draw, glyphs, measure, relax
+from crowquill.paths import Array
 from crowquill.stippling import NOMINAL, dotted
 from crowquill.tone import Tone
 
 SIDE, PEN = 30.0, 0.3  # mm
+FLAT = Tone(np.full((50, 50), 0.5), (SIDE, SIDE))
 
 
-def covered(nominal: float, seed: int) -> float:
-    """The share covered in the middle of a square of dots of the 0.3 mm library whose areas sum to `nominal` of it."""
+def relaxed(dots: int, seed: int) -> Array:
     rng = np.random.default_rng(seed)
-    tone = Tone(np.full((50, 50), 0.5), (SIDE, SIDE))
+    sites = relax.scatter(FLAT, dots, rng)
+    return next(state.sites for state in relax.lloyd(sites, FLAT) if state.done == 30)
+
+
+def at_frontier(dots: int, seed: int) -> Array:
+    return draw("frontier", FLAT, dots=dots, pen=PEN, seed=seed).marks.xy
+
+
+def covered(nominal: float, seed: int, placed: Callable[[int, int], Array]) -> float:
+    """The share covered in the middle of a square of dots of the 0.3 mm library whose areas sum to `nominal` of it."""
     library = glyphs.load("nib-03").glyphs
-    sites = relax.scatter(tone, round(nominal * SIDE**2 / (np.pi * PEN**2 / 4)), rng)
-    sites = next(state.sites for state in relax.lloyd(sites, tone) if state.done == 30)
+    sites = placed(round(nominal * SIDE**2 / (np.pi * PEN**2 / 4)), seed)
+    rng = np.random.default_rng(seed)
     marks = dotted(sites, library, PEN, rng)
     cover = measure.rendered(marks, (SIDE, SIDE), (30, 30), pitch=PEN / 40)
     # what the middle really holds: borders have a ring of dots of their own
@@ -29,6 +41,7 @@ def covered(nominal: float, seed: int) -> float:
 
 
 if __name__ == "__main__":
-    rendered = [0.0] + [float(np.mean([covered(nominal, seed) for seed in range(3)])) for nominal in NOMINAL[1:]]
     print("NOMINAL  =", NOMINAL.tolist())
-    print("RENDERED =", [round(value, 4) for value in rendered])
+    for placed in (relaxed, at_frontier):
+        rendered = [0.0] + [float(np.mean([covered(nominal, seed, placed) for seed in range(3)])) for nominal in NOMINAL[1:]]
+        print("RENDERED =", [round(value, 4) for value in rendered], placed.__name__)

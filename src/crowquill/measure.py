@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import shapely
 
@@ -12,6 +14,7 @@ from crowquill.paths import Array
 LINES = 16  # across the mean mark: its area comes out within half a percent, and errors of many marks cancel
 JOINED = 3000  # marks: shapely joins so many in half a second
 FLAT = 2e-4  # of a unit glyph
+TRIES, SAME = 8, 1e-3  # of factors, until the ink is as near as this
 
 
 def rendered(marks: Marks, size: tuple[float, float], grid: tuple[int, int], *, pitch: float | None = None) -> Array:
@@ -48,6 +51,27 @@ def ink(marks: Marks) -> float:
         outlines = crowd.outlines().flat(FLAT * float(marks.scale.min())).polygons()
         return alone + float(shapely.area(shapely.union_all(outlines)))
     return alone + _lined(crowd, reach.max())
+
+
+def covering(marks: Marks, mm2: float, limits: tuple[float, float]) -> tuple[Marks, float]:
+    """The marks, all larger or smaller by one factor so that they cover so much paper, and how much that is, mm^2.
+
+    limits  of the factor, from 1 or less to 1 or more; within them the paper comes out to 0.1 %
+
+    Marks that cover nothing stay as they are, and so do all where nothing is to be covered.
+    """
+    reach = np.array([glyph.reach for glyph in marks.glyphs])[marks.glyph] * marks.scale
+    factor, covered, slope = 1.0, _lined(marks, reach.max()) if reach.any() else 0.0, 2.0  # of the logarithms: 2 where none meet
+    for _ in range(TRIES):
+        if not covered or not mm2 or abs(covered / mm2 - 1) < SAME:
+            break
+        other = float(np.clip(factor * (mm2 / covered) ** (1 / slope), *limits))
+        if other == factor:
+            break
+        there = _lined(replace(marks, scale=marks.scale * other), other * reach.max())
+        slope = float(np.clip(np.log(there / covered) / np.log(other / factor), 0.2, 2.0))
+        factor, covered = other, there
+    return replace(marks, scale=marks.scale * factor), covered
 
 
 def _lined(marks: Marks, edge: float) -> float:

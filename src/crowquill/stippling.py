@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import shapely
 
 from crowquill import relax
 from crowquill.marks import Glyph, Marks
@@ -90,10 +89,9 @@ def cut_white(tone: Tone, white: float, rule: str = "before") -> tuple[Tone, npt
 
 def widest(tone: Tone, pen: float | None, default: float) -> float:
     """The pen, or the default one as fine as the canvas is narrow. Raises ValueError for a pen wider than the canvas."""
-    across = float(np.diff(np.array(shapely.bounds(tone.canvas)).reshape(2, 2), axis=0).min())
-    if pen is not None and pen > across:
-        raise ValueError(f"a pen of {pen:g} mm is wider than the canvas of {across:.4g} mm; use a finer pen")
-    return min(default, across) if pen is None else pen
+    if pen is not None and pen > tone.across:
+        raise ValueError(f"a pen of {pen:g} mm is wider than the canvas of {tone.across:.4g} mm; use a finer pen")
+    return min(default, tone.across) if pen is None else pen
 
 
 def planned(
@@ -106,19 +104,20 @@ def planned(
     min_gap: float,
     max_dots: int,
     span: tuple[float, float] = (1.0, 1.0),
+    rendered: Array = RENDERED,
 ) -> Plan:
     """How many dots of what diameter the tone takes, before any is placed.
 
-    span  diameters of the smallest and the largest dots over the pen's: the mean area of dots rises from the one's
-          where it is white to the other's where it is darkest, in proportion to the ink
+    span      diameters of the smallest and the largest dots over the pen's: the mean area of dots rises from the one's
+              where it is white to the other's where it is darkest, in proportion to the ink
+    rendered  what dots that are not relaxed cover where their areas sum to NOMINAL of the paper
     """
     asked, blank = cut_white(tone, white, white_rule)
-    across = widest(tone, None, np.inf)
     width = widest(tone, pen, PEN)
     for _ in range(2 if dots is not None and pen is None else 0):  # how wide a dot is decides how far around it tone is looked at
-        ink = _ink(*_crowded(*_nominal(asked, width, span, min_gap), span))
-        width = min(across, 2 * float(np.sqrt(ink / (np.pi * (dots or 1)))) / span[1]) if ink else PEN
-    nominal, top = _nominal(asked, width, span, min_gap)
+        ink = _ink(*_crowded(*_nominal(asked, width, span, min_gap, rendered), span))
+        width = min(tone.across, 2 * float(np.sqrt(ink / (np.pi * (dots or 1)))) / span[1]) if ink else PEN
+    nominal, top = _nominal(asked, width, span, min_gap, rendered)
     crowd, peak = _crowded(nominal, top, span)
     ink = _ink(crowd, peak)
     wanted = round(ink / (np.pi * (span[1] * width) ** 2 / 4)) if dots is None else dots if ink else 0
@@ -149,7 +148,7 @@ def _cap(pen: float, gap: float) -> float:
     return min(CAP, 0.46 * (pen / (pen + gap)) ** 2) if gap else CAP
 
 
-def _nominal(asked: Tone, pen: float, span: tuple[float, float], gap: float) -> tuple[Tone, float]:
+def _nominal(asked: Tone, pen: float, span: tuple[float, float], gap: float, rendered: Array) -> tuple[Tone, float]:
     """Coverage before overlap over NOMINAL's last, and its greatest value where it is darkest.
 
     How much dots overlap follows the tone around a dot, not under one pixel: fine texture
@@ -163,9 +162,9 @@ def _nominal(asked: Tone, pen: float, span: tuple[float, float], gap: float) -> 
     around = pen * float(np.sqrt((span[0] ** 2 + span[1] ** 2) / 2))
     sigma = [around / side for side in reversed(asked.pixel)]
     near = np.clip(gaussian_filter(np.minimum(asked.coverage, cap), sigma, mode="nearest", truncate=3.0), 1e-6, cap)
-    swell = np.interp(near, RENDERED, NOMINAL) / near
+    swell = np.interp(near, rendered, NOMINAL) / near
     nominal = asked.mapped(lambda c: np.clip(np.minimum(c, cap) * swell / NOMINAL[-1], 0, 1))
-    return nominal, float(np.interp(cap, RENDERED, NOMINAL)) / NOMINAL[-1]
+    return nominal, float(np.interp(cap, rendered, NOMINAL)) / NOMINAL[-1]
 
 
 def _ink(crowd: Tone, peak: float = 1.0) -> float:

@@ -143,6 +143,11 @@ class Tone:
         return self.size[0] / self.coverage.shape[1], self.size[1] / self.coverage.shape[0]
 
     @property
+    def across(self) -> float:
+        """The shorter side of the rectangle around the canvas, mm."""
+        return float(np.diff(np.array(shapely.bounds(self.canvas)).reshape(2, 2), axis=0).min())
+
+    @property
     def ink(self) -> float:
         """The area of ink asked for inside the canvas, mm^2."""
         return float((self.coverage * self.inside).sum() * self.pixel[0] * self.pixel[1])
@@ -225,7 +230,10 @@ class Tone:
 
     def mapped(self, curve: Callable[[Array], Array]) -> Tone:
         """The same canvas with curve(coverage) for coverage; the curve takes and gives (h, w) of 0 to 1."""
-        return replace(self, coverage=curve(self.coverage))
+        changed = replace(self, coverage=curve(self.coverage))
+        if not self.is_rectangle:  # half a second of clipping on a traced specimen, and all that is drawn of it needs the same
+            vars(changed)["inside"] = self.inside
+        return changed
 
     def at(self, xy: npt.ArrayLike) -> Array:
         """Coverage of the pixel under each point, (n,); points outside take the nearest pixel."""

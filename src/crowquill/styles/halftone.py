@@ -8,17 +8,14 @@ Algorithm, SIGGRAPH 2001; the others in crowquill.halftone.
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
-import shapely
 
 from crowquill import glyphs as libraries
 from crowquill import halftone, measure
-from crowquill.halftone.averages import averaged
+from crowquill.grid import BLOCK, Grid
 from crowquill.halftone.borders import corners, rings
 from crowquill.knobs import Choice, Flag, Range, Text
 from crowquill.marks import Marks
@@ -34,7 +31,6 @@ FORMS = ("auto", "pixels", "polygons", "dots")
 CELL = 0.3  # mm: as wide as the commonest technical pen, and seen at arm's length
 CORNERS = 3_000_000  # of outlines: some 20 MB of SVG, more than editors bear
 MOST = 2_000_000_000  # cells; a bitmap format takes no more bits
-BLOCK = 8  # cells: the sides of blocks over which tone is compared
 RATE = 2e7  # cells a second, about, of a machine of 2024
 Bits = npt.NDArray[np.bool_]
 
@@ -106,65 +102,22 @@ def draw(
     return Sheet(tone.size, (Layer(Ink(), art, "halftone"),), report=report)
 
 
-@dataclass(frozen=True, eq=False)
-class Grid:
-    """Square cells over a tone: how many, their side in mm and their number to the inch."""
-
-    tone: Tone
-    columns: int
-    rows: int
-    cell: float
-    dpi: float
-
-    @property
-    def corner(self) -> Array:
-        """Where the first cell begins, mm: the grid's middle is the picture's."""
-        return (np.array(self.tone.size) - self.cell * np.array([self.columns, self.rows])) / 2
-
-    @cached_property
-    def band(self) -> int:
-        """Rows to a band: whole blocks, and no fewer than run in."""
-        return max(halftone.RUN_IN, halftone.BAND // self.columns // BLOCK * BLOCK)
-
-    def asked(self, top: int, bottom: int) -> tuple[Array, Bits]:
-        """Mean coverage of the parts of these rows' cells that lie in the canvas, and which cells' centres do."""
-        tone, (x, y) = self.tone, self.corner
-        h, w = tone.coverage.shape
-        across = (x + self.cell * np.arange(self.columns + 1)) / tone.size[0]
-        down = (y + self.cell * np.arange(top, bottom + 1)) / tone.size[1]
-        share = averaged(np.ones((1, 1)), across, down) if tone.is_rectangle else averaged(tone.inside, across * w, down * h)
-        ink = averaged(self._lit, across * w, down * h)
-        mean = np.clip(np.divide(ink, share, out=np.zeros_like(ink), where=share > 0), 0, 1)
-        held = share > 1 - 1e-9
-        row, column = np.nonzero((share > 0) & ~held)
-        held[row, column] = tone.holds(self.centres(row + top, column))
-        return np.where(held, mean, 0.0), held
-
-    def centres(self, row: npt.ArrayLike, column: npt.ArrayLike) -> Array:
-        """The middles of cells, (n, 2) mm."""
-        return (np.stack([column, row], axis=1) + 0.5) * self.cell + self.corner
-
-    @cached_property
-    def _lit(self) -> Array:
-        return self.tone.coverage if self.tone.is_rectangle else self.tone.coverage * self.tone.inside
-
-
 def _planned(tone: Tone, cell: float | None, cells_per_inch: float | None) -> Grid:
     """The grid for a size of cells, or for the usual one, as fine as the canvas is narrow."""
     if cell is not None and cells_per_inch is not None:
         raise ValueError(f"cell {cell:g} mm and cells-per-inch {cells_per_inch:g} are both given; leave one out")
-    least = float(np.diff(np.array(shapely.bounds(tone.canvas)).reshape(2, 2), axis=0).min())
+    least = tone.across
     given = INCH / cells_per_inch if cells_per_inch else cell
     side = min(CELL, least) if given is None else given
     if side > least:
         raise ValueError(f"a cell of {side:.4g} mm is wider than the canvas of {least:.4g} mm; use smaller ones")
-    columns, rows = (max(1, round(length / side)) for length in tone.size)
-    if columns * rows > MOST:
+    grid = Grid.of(tone, side, cells_per_inch)
+    if grid.columns * grid.rows > MOST:
         raise ValueError(
-            f"a cell of {side:.4g} mm makes {columns} x {rows} cells of this picture, over the limit of {MOST // 1_000_000} million; "
-            "use larger ones"
+            f"a cell of {side:.4g} mm makes {grid.columns} x {grid.rows} cells of this picture, over the limit of "
+            f"{MOST // 1_000_000} million; use larger ones"
         )
-    return Grid(tone, columns, rows, side, cells_per_inch or INCH / side)
+    return grid
 
 
 def _black(grid: Grid, method: str, rng: np.random.Generator, serpentine: bool) -> Generator[Step, None, tuple[Bitmap, float]]:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 import shapely
 
 from crowquill import field, halftone, measure, raster, tracing
+from crowquill.grid import Grid
 from crowquill.inkdots import JITTER, PITCH, Dots, Reached, measured, rows_along
 from crowquill.knobs import Choice, Numbers, Range, Text
 from crowquill.marks import Marks
@@ -22,9 +23,7 @@ from crowquill.paths import Array, Paths
 from crowquill.sheet import Ink, Layer, Sheet, Step
 from crowquill.stippling import Clock, snapped, together
 from crowquill.styles import Work
-from crowquill.styles.halftone import Grid
 from crowquill.tone import Tone
-from crowquill.units import INCH
 
 CURVES = {"measured": "black", "measured-grey": "grey", "none": ""}  # the form of the dots that keeps the tone
 INK = 0.03  # candidates 0.25 mm apart, all of them dots, cover 0.8 of the paper, and a ramp to 0.9 asks for more; chance moves 1 %
@@ -109,12 +108,11 @@ def draw(
 
 def _candidates(tone: Tone, pitch: float | None) -> Grid:
     """The grid of candidates, in the picture's middle; of the usual pitch, or as fine as the canvas is narrow."""
-    least = float(np.diff(np.array(shapely.bounds(tone.canvas)).reshape(2, 2), axis=0).min())
+    least = tone.across
     side = min(PITCH, least) if pitch is None else pitch
     if side > least:
         raise ValueError(f"a pitch of {side:.4g} mm is wider than the canvas of {least:.4g} mm; use a finer one")
-    columns, rows = (max(1, round(length / side)) for length in tone.size)
-    return Grid(tone, columns, rows, side, INCH / side)
+    return Grid.of(tone, side)
 
 
 def _region(mask: str, tone: Tone) -> shapely.Geometry:
