@@ -48,13 +48,6 @@ def test_a_flat_tone_between_levels_comes_out_within_four_greys(k):
     assert darkness(flat(middle)) == pytest.approx(middle, abs=4 / 255)
 
 
-def test_half_way_between_two_levels_half_of_the_marks_between_them_are_there():
-    # the share is by each mark's own threshold, not by pixels; (1) and (2) hold it to tone, this to the rule of the published method
-    tile, (low, high) = HAND.black.tile, LEVELS[3:5]
-    counts = [len(tile.of(coverage)) for coverage in (low, (low + high) / 2, high)]
-    assert (counts[1] - counts[0]) / (counts[2] - counts[0]) == pytest.approx(0.5, abs=0.05)  # overlap grows on the way
-
-
 def test_marks_of_a_light_tone_stay_in_a_darker_one():
     light, dark = (flat(coverage).marks.xy for coverage in (0.1, 0.3))
     assert set(map(tuple, light.tolist())) <= set(map(tuple, dark.tolist()))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from scipy import ndimage
 from crowquill import Tone, draw, exemplar, measure, relax, texture
 from crowquill.exemplar import learning, stylefile
 from crowquill.exemplar.correlation import lens, radial
-from crowquill.exemplar.style import Hand
+from crowquill.exemplar.style import Hand, Level, Tile
 from crowquill.exemplar.synthesis import _Marks
 from crowquill.marks import Marks
 from crowquill.paths import Array
@@ -59,23 +60,75 @@ def taught(plate: str) -> exemplar.Style:
     return learning.learn(plate)
 
 
+HANDS = {f"{name} {ink}": getattr(exemplar.load(name), ink) for name in exemplar.names() for ink in ("black", "white")}
+
+
+def apart(one: Array, level: Level, spacing: float) -> float:
+    """The rms difference of a correlation from an example's, from the first step up to three mean spacings."""
+    near = (level.lags > 0) & (level.lags <= 3 * spacing)
+    return float(np.sqrt(np.mean((one - level.correlation)[near] ** 2)))
+
+
+@pytest.mark.parametrize("hand", HANDS.values(), ids=HANDS)
+def test_a_tile_has_in_each_tone_the_texture_of_the_example(hand: Hand) -> None:
+    for level in hand.levels:
+        sites = hand.tile.of(level.coverage)
+        ink = _Marks(sites, hand.tile.side, hand).drawn(len(sites))
+        curve = radial(ink, level.lags, hand.tile.side / len(ink))
+        assert apart(curve, level, hand.tile.side / np.sqrt(len(sites))) < 0.03
+
+
 @pytest.mark.parametrize("k", range(len(HAND.black.levels)))
-def test_a_tile_has_the_texture_of_the_example_and_relaxed_dots_have_not(k):
-    level, tile = HAND.black.levels[k], HAND.black.tile
-    sites = tile.of(level.coverage)
-    spacing = tile.side / np.sqrt(len(sites))
-    ink = _Marks(sites, tile.side, HAND.black).drawn(len(sites))
-    near = (level.lags >= 0.5 * spacing) & (level.lags <= 3 * spacing)
-    assert np.sqrt(np.mean((radial(ink, level.lags, tile.side / len(ink)) - level.correlation)[near] ** 2)) < 0.03
-    side = 20.0
+def test_relaxed_dots_have_not_the_texture_of_the_clustered_example(k: int) -> None:
+    level, hand, side = HAND.black.levels[k], HAND.black, 20.0
+    spacing = hand.tile.side / np.sqrt(len(hand.tile.of(level.coverage)))
     tone = Tone(np.full((4, 4), 0.5), (side, side))
     first = relax.scatter(tone, round((side / spacing) ** 2), np.random.default_rng(0))
     relaxed = next(state.sites for state in relax.lloyd(first, tone, step=1) if state.done == 50)
-    dots = dotted(relaxed, HAND.black.glyphs, 2 * np.sqrt(HAND.black.area / np.pi), np.random.default_rng(1))
-    other = measure.rendered(dots, (side, side), (400, 400)) >= 0.5
-    curve = radial(other, level.lags, side / 400, np.ones(other.shape))
+    dots = dotted(relaxed, hand.glyphs, 2 * np.sqrt(hand.area / np.pi), np.random.default_rng(1))
+    ink = measure.rendered(dots, (side, side), (400, 400)) >= 0.5
     # correlation is in proportion to coverage where dots are few: of light tones even the most regular is small
-    assert np.sqrt(np.mean((curve - level.correlation)[near] ** 2)) > (0.08 if level.coverage > 0.15 else 0.25 * level.coverage)
+    assert apart(radial(ink, level.lags, side / 400, np.ones(ink.shape)), level, spacing) > min(0.08, level.coverage)
+
+
+@pytest.mark.parametrize("hand", HANDS.values(), ids=HANDS)
+def test_marks_of_a_tone_are_there_in_the_next_and_overlap_where_they_were(hand: Hand) -> None:
+    steps = [hand.tile.of(level.coverage) for level in sorted(hand.levels, key=lambda level: level.coverage)]
+    for one, other in pairwise(steps):
+        assert len(other) > len(one)
+        assert np.hypot(*(other[: len(one)] - one).T).max() <= 0.51 * 2 * np.sqrt(hand.area / np.pi)  # places are kept in whole steps
+
+
+def test_marks_in_groups_keep_their_places_up_to_the_darkest_tone_but_one() -> None:
+    steps = [HAND.black.tile.of(level.coverage) for level in HAND.black.levels[:-1]]
+    for one, other in pairwise(steps):
+        assert (np.hypot(*(other[: len(one)] - one).T) < 1e-3).mean() >= 0.95
+
+
+@pytest.mark.parametrize("name", exemplar.names())
+def test_half_way_between_two_tones_half_of_what_comes_between_them_is_there(name: str) -> None:
+    fresh, there = 0, 0
+    for hand in (HANDS[f"{name} black"], HANDS[f"{name} white"]):
+        for low, high in pairwise(sorted(level.coverage for level in hand.levels)):
+            steps = [hand.tile.of(coverage) for coverage in (low, (low + high) / 2, high)]
+            ink = [_Marks(sites, hand.tile.side, hand).drawn(len(sites)).mean() for sites in steps]
+            assert (ink[1] - ink[0]) / (ink[2] - ink[0]) == pytest.approx(0.5, abs=0.015)
+            fresh, there = fresh + len(steps[2]) - len(steps[0]), there + len(steps[1]) - len(steps[0])
+    assert fresh > 9500 and there / fresh == pytest.approx(0.5, abs=0.015)  # chance alone would move it by .005
+
+
+def test_a_tile_laid_otherwise_has_its_marks_in_it_and_they_slide_as_they_did() -> None:
+    tile = HANDS["even black"].tile
+    other = tile.laid(True, True, np.array([0.3, 0.9]))
+    assert ((other.xy[-1] >= 0) & (other.xy[-1] < tile.side)).all() and other.stray == pytest.approx(tile.stray)
+    assert np.diff(other.xy, axis=0) == pytest.approx(np.diff(tile.xy, axis=0)[..., ::-1] * (-1, 1))
+
+
+def test_between_two_tones_marks_are_on_the_way() -> None:
+    tile = Tile(9.0, [0.1, 0.2], [0.2, 0.4], [[(1, 1), (5, 5)], [(2, 1), (5, 6)]])
+    assert tile.at(np.array([0, 0, 0, 1]), np.array([0.1, 0.2, 0.25, 0.9])) == pytest.approx(np.array([(1, 1), (1, 1), (1.25, 1), (5, 6)]))
+    assert tile.of(0.15) == pytest.approx(np.array([(1, 1)])) and tile.of(0.05).shape == (0, 2)
+    assert tile.stray == pytest.approx(1)
 
 
 def test_the_correlation_all_round_is_the_mean_of_that_at_four_angles():

@@ -27,6 +27,7 @@ from crowquill.tone import Tone
 EXAMPLE = "hand"
 LEARNING = 40.0  # seconds, about, that a page of a few thousand dots takes
 SPEED = 40_000  # marks a second that are laid and measured
+PASSES = 3  # of looking up the tone where a mark lies, which says where it lies
 INK = 0.02  # marks are as wide as in the example, and lie in groups if they do there: a drawing has a few too many or too few
 
 
@@ -132,18 +133,19 @@ def _density(tile: Tile | None, coverage: Array) -> Array:
 
 def _laid(hand: Hand, asked: Tone, place: np.random.Generator, deal: np.random.Generator) -> Marks:
     """The marks of a hand where a tone is darker than their thresholds, in the canvas, in whole micrometres."""
-    tile = hand.tile
-    assert tile is not None
-    mirrored, turned = place.random(2) < 0.5
-    own = tile.xy * (-1, 1) if mirrored else tile.xy
-    own = (own[:, ::-1] if turned else own) + place.random(2) * tile.side
-    found, most = [np.empty((0, 2))], asked.coverage.max()
-    first = np.searchsorted(tile.threshold, most)
-    own, threshold = own[:first] % tile.side, tile.threshold[:first]
-    for top in np.arange(0, asked.size[1], tile.side):
-        for left in np.arange(0, asked.size[0], tile.side):
-            xy = own + np.array([left, top])
-            found.append(xy[(threshold < asked.at(xy)) & (xy <= asked.size).all(axis=1)])
+    assert hand.tile is not None
+    tile = hand.tile.laid(*(place.random(2) < 0.5), place.random(2))
+    drawn, stray = np.arange(np.searchsorted(tile.threshold, asked.coverage.max())), tile.stray
+    found = [np.empty((0, 2))]
+    for top in np.arange(-tile.side, asked.size[1], tile.side):
+        for left in np.arange(-tile.side, asked.size[0], tile.side):
+            corner = np.array([left, top])
+            home = tile.xy[-1, drawn] + corner
+            near = ((home >= -stray) & (home <= np.add(asked.size, stray))).all(axis=1)
+            which, xy = drawn[near], home[near]
+            for _ in range(PASSES):
+                xy = tile.at(which, asked.at(xy)) + corner
+            found.append(xy[(tile.threshold[which] < asked.at(xy)) & ((xy >= 0) & (xy <= asked.size)).all(axis=1)])
     sites, kept = snapped(np.concatenate(found), asked, np.zeros(asked.coverage.shape, bool))
     sites = sites[kept]
     kind = _dealt(len(sites), len(hand.glyphs), deal)
