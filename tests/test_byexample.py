@@ -82,12 +82,15 @@ def test_what_is_drawn_is_black_alone_and_the_same_again():
     assert {layer.ink.cmyk for layer in flat(0.6).layers} == {(0, 0, 0, 1)}
 
 
-def test_white_marks_are_holes_and_rings_do_not_cross():
-    areas = next(layer.art for layer in flat(0.85).layers if not isinstance(layer.art, Marks))
-    assert (areas.areas < 0).sum() > 500
-    lines = [shapely.LinearRing(ring) for ring in areas]
-    pairs = shapely.STRtree(lines).query(lines, predicate="intersects")
-    assert (pairs[0] == pairs[1]).all()
+@pytest.mark.parametrize("coverage", [0.6, 0.75, 0.85])
+def test_white_marks_are_holes_and_rings_do_not_cross(coverage):
+    areas = next(layer.art for layer in flat(coverage).layers if not isinstance(layer.art, Marks))
+    assert (areas.areas < 0).sum() > (500 if coverage > 0.7 else 50)
+    inner = np.array([shapely.Polygon(ring) for ring in areas])
+    assert shapely.is_valid(inner).all()  # none crosses itself
+    one, other = shapely.STRtree(inner).query(inner, predicate="intersects")
+    shared, least = shapely.area(shapely.intersection(inner[one], inner[other])), np.minimum(*shapely.area(inner[[one, other]]))
+    assert (np.isclose(shared, least, atol=1e-9) | np.isclose(shared, 0, atol=1e-9)).all()  # one in the other, or apart
 
 
 def test_no_piece_of_black_is_smaller_than_a_quarter_of_a_mark():

@@ -9,20 +9,22 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import shapely
 from contourpy import FillType, contour_generator
-from scipy import ndimage
+from scipy import ndimage, sparse
 from scipy.special import ndtr
 
 from crowquill.marks import Marks
 from crowquill.paths import Paths
 from crowquill.tone import Tone
 
-FLAT = 4e-3  # of a mark's diameter that straight pieces may stray
+FLAT = 0.01  # of a mark's diameter that straight pieces may stray
 COARSE = 0.02  # of it that the areas' edge may stray
 FINE = 0.5  # of a mark's diameter: the grid on which the edge is sought, where pixels are larger
 HAIR = 0.05  # of a mark's diameter: black no wider than twice that is a hairline
 APART = 2e-3  # mm, of rings
+SNAP = 1e-3  # mm: a sheet's lengths are whole micrometres
 BLOT = 1.2  # of a mark's diameter: the blur of the chance that decides
 ROUND = 0.5  # of a mark's diameter: what is narrower is no area, and no gap in one
 LEAST = 0.25  # of a mark: smaller pieces of black, and smaller holes, go
@@ -57,29 +59,46 @@ def area(tone: Tone, turnover: tuple[float, float], diameter: float, rng: np.ran
 def cut(black: shapely.Geometry, white: Marks, mark: float) -> shapely.Geometry:
     """Areas of black without white marks; no piece of less than a quarter of a black mark's area, no hole of less than one of a white's.
 
-    Hairlines between white marks, and between them and the edge, go: no pen draws and no press prints them. Rings keep two
-    micrometres apart, so that none cross once they are snapped to whole ones.
+    Hairlines between white marks, and between them and the edge, go: no pen draws and no press prints them. Corners are whole
+    micrometres, where rings may touch but never cross.
     """
     if black.is_empty:
         return black
-    whole = shapely.difference(black, _prints(white))
     hair = HAIR * 2 * float(np.sqrt(mark / np.pi))
-    whole = shapely.buffer(shapely.buffer(whole, -hair, join_style="mitre"), hair, quad_segs=ARC)
-    whole = shapely.buffer(shapely.buffer(whole, -1.5 * APART, join_style="mitre"), APART, join_style="mitre")
+    grown = shapely.buffer(_outlines(white), hair, quad_segs=ARC)
+    groups = _groups(grown)
+    edge = shapely.buffer(shapely.boundary(black), hair, quad_segs=ARC)
+    outer = shapely.intersects(groups, edge)
+    # a gap between marks that closes when they grow was a hairline of black: the same as to shrink the black around them
+    inner = shapely.buffer(groups[~outer], APART / 2 - hair, quad_segs=ARC)
+    whole = shapely.difference(shapely.buffer(black, -hair, join_style="mitre"), shapely.union_all(groups[outer]))
+    whole = shapely.buffer(shapely.buffer(whole, hair, quad_segs=ARC), -APART / 2, join_style="mitre")
+    whole = shapely.difference(whole, shapely.multipolygons(shapely.get_parts(inner)))  # apart: grown by a hair they do not meet
+    whole = shapely.set_precision(whole, SNAP)
     kept = [part for part in shapely.get_parts(whole) if part.geom_type == "Polygon" and part.area >= LEAST * mark]
     return shapely.MultiPolygon([_filled(part, LEAST * float((white.scale**2).mean()) if len(white) else 0.0) for part in kept])
 
 
-def _prints(marks: Marks) -> shapely.Geometry:
-    """What marks cover together."""
-    return shapely.union_all(marks.outlines().flat(FLAT * float(marks.scale.mean())).polygons()) if len(marks) else shapely.Polygon()
+def _outlines(marks: Marks) -> npt.NDArray[np.object_]:
+    """Marks as polygons (n,)."""
+    return np.asarray(marks.outlines().flat(FLAT * float(marks.scale.mean())).polygons() if len(marks) else [], object)
+
+
+def _groups(shapes: npt.NDArray[np.object_]) -> npt.NDArray[np.object_]:
+    """Unions of those shapes that touch one another, (k,)."""
+    one, other = shapely.STRtree(shapes).query(shapes, predicate="intersects")
+    graph = sparse.coo_array((np.ones(len(one), bool), (one, other)), (len(shapes), len(shapes)))
+    count, group = sparse.csgraph.connected_components(graph, directed=False)
+    order = np.argsort(group, kind="stable")
+    parts = np.split(shapes[order], np.searchsorted(group[order], np.arange(1, count)))
+    return np.array([part[0] if len(part) == 1 else shapely.union_all(part) for part in parts[:count]], object)
 
 
 def overlap(black: shapely.Geometry, marks: Marks) -> float:
     """The area of black that marks lie on, mm^2."""
     if not len(marks) or black.is_empty:
         return 0.0
-    tree = shapely.STRtree(marks.outlines().flat(FLAT * float(marks.scale.mean())).polygons())
+    tree = shapely.STRtree(_outlines(marks))
     parts = shapely.get_parts(black)
     part, mark = tree.query(parts, predicate="intersects")
     return sum(
