@@ -34,7 +34,7 @@ def darkness(sheet: crowquill.Sheet, margin: float = 1.0) -> float:
     return float(ink[edge:-edge, edge:-edge].mean())
 
 
-LEVELS = [level.coverage for level in HAND.black.levels] + [1 - level.coverage for level in HAND.white.levels]
+LEVELS = sorted([level.coverage for level in HAND.black.levels] + [1 - level.coverage for level in HAND.white.levels])
 
 
 @pytest.mark.parametrize("coverage", LEVELS, ids="{:.2f}".format)
@@ -42,7 +42,7 @@ def test_a_flat_tone_of_a_level_comes_out_within_three_greys(coverage):
     assert darkness(flat(coverage)) == pytest.approx(coverage, abs=3 / 255)
 
 
-@pytest.mark.parametrize("k", range(len(HAND.black.levels) - 1))
+@pytest.mark.parametrize("k", range(len(LEVELS) - 1))
 def test_a_flat_tone_between_levels_comes_out_within_four_greys(k):
     middle = (LEVELS[k] + LEVELS[k + 1]) / 2
     assert darkness(flat(middle)) == pytest.approx(middle, abs=4 / 255)
@@ -82,10 +82,10 @@ def test_what_is_drawn_is_black_alone_and_the_same_again():
     assert {layer.ink.cmyk for layer in flat(0.6).layers} == {(0, 0, 0, 1)}
 
 
-@pytest.mark.parametrize("coverage", [0.6, 0.75, 0.85])
+@pytest.mark.parametrize("coverage", [0.64, 0.85])
 def test_white_marks_are_holes_and_rings_do_not_cross(coverage):
     areas = next(layer.art for layer in flat(coverage).layers if not isinstance(layer.art, Marks))
-    assert (areas.areas < 0).sum() > (500 if coverage > 0.7 else 50)
+    assert (areas.areas < 0).sum() > 300
     inner = np.array([shapely.Polygon(ring) for ring in areas])
     assert shapely.is_valid(inner).all()  # none crosses itself
     one, other = shapely.STRtree(inner).query(inner, predicate="intersects")

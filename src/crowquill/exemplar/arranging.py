@@ -66,9 +66,9 @@ def arranged(xy: Array, before: Array, squares: int, goal: Goal, rng: np.random.
     bins = int(3 * side / reach)
     x, y = np.ascontiguousarray(xy.T)
     chains = _chained(x, y, side, bins)
-    pairs = (table, low, high, FINE / diameter, reach)
+    finer = FINE / diameter
     total, wanted = np.zeros(len(goal.lags)), goal.sums(n)
-    _summed(x, y, side, bins, *chains, *pairs, total)
+    _summed(x, y, side, bins, *chains, table, low, high, finer, reach, total)
     room = 0.0
     for sweep in range(SWEEPS):
         missed = goal.missed(total - wanted)
@@ -82,7 +82,9 @@ def arranged(xy: Array, before: Array, squares: int, goal: Goal, rng: np.random.
         local = rng.random(tries) < 0.5
         places = rng.random((tries, 2))
         away = rng.normal(0, 1, (tries, 2)) * diameter * rng.choice(LOCAL, tries)[:, None]
-        taken = _moved(x, y, before, room, side, bins, *chains, which, local, places, away, squares, *pairs, total, wanted)
+        taken = _moved(
+            x, y, before, room, side, bins, *chains, which, local, places, away, squares, table, low, high, finer, reach, total, wanted
+        )  # fmt: skip
         if taken < IDLE * tries and sweep >= STRICT:
             break
     return np.stack([x, y], axis=1)

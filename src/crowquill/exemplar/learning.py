@@ -46,7 +46,7 @@ BANK = 300  # shapes kept of an ink
 FEW = 12  # single marks, from which on there is a bank; a single white one is no style
 DARK = 0.6  # coverage from which on marks may be white
 ISLANDS = 0.12  # of the white of a dark tone that must be single marks: of three tenths of white, crowded, a fifth is
-BLEND = 0.03  # of coverage, at least, over which black marks give way to white ones, each way
+BLEND = 0.04  # of coverage, over which black marks give way to white ones, each way
 UNHEARD = ("uneven light", "outlines lie")  # warnings of scans: dark tones look like dim paper, and marks are drawn, not measured
 
 
@@ -104,8 +104,8 @@ def learn(source: Source, dpi: float | None = None) -> Style:
     notes = tuple(f"the example: {said}" for said in found.warnings if not any(word in said for word in UNHEARD))
     if not white:
         return Style(name_of(source), found.dpi, digest(source), black, notes=notes)
-    pair = black.levels[-1].coverage, 1 - max(level.coverage for level in white)
-    middle, half = sum(pair) / 2, max((pair[1] - pair[0]) / 2, BLEND)
+    middle = (black.levels[-1].coverage + 1 - max(level.coverage for level in white)) / 2
+    half = min(BLEND, (1 - middle) / 2)
     pale = Hand(tuple(glyphs[i] for i in _evenly(len(glyphs))), tuple(sorted(white, key=lambda level: level.coverage)))
     return Style(name_of(source), found.dpi, digest(source), black, pale, (middle - half, middle + half), notes)
 

@@ -97,8 +97,8 @@ class Style:
     name      of the example
     dpi       of the scan
     sha256    of the example's file, "" for an array
-    turnover  coverages between which black marks give way to white ones on black: the darkest tone seen of the ones, the
-              lightest of the others; both 1 without white ones
+    turnover  coverages between which black marks give way to white ones on black, about half way from the darkest tone seen of
+              the ones to the lightest of the others; both 1 without white ones
     notes     what is to be said of the example
     """
 
