@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import shapely
-from PIL import Image
 from scipy.stats import kstest
 
 import crowquill
@@ -125,16 +124,3 @@ def test_what_cannot_be_followed_is_answered_with_what_would_be_right(knobs, sai
     with pytest.raises(ValueError, match=said) as error:
         flat(0.3, **knobs)
     assert "\n" not in str(error.value)
-
-
-def test_the_command_line_says_one_line_and_gives_two(tmp_path, capsys):
-    from crowquill.__main__ import main
-
-    picture, example = tmp_path / "grey.png", tmp_path / "scan.png"
-    Image.fromarray(np.full((40, 40), 128, np.uint8)).save(picture)
-    page = np.full((300, 300), 240, np.uint8)
-    page[100:200, 100:200] = 10
-    Image.fromarray(page).save(example, dpi=(72, 72))
-    code = main(["byexample", str(picture), str(tmp_path / "out.svg"), "--example", str(example)])
-    said = capsys.readouterr().err.strip()
-    assert code == 2 and said.count("\n") == 0 and "72 dpi" in said and "--example-dpi" in said

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import replace
 from itertools import pairwise
 
@@ -11,8 +12,8 @@ import pytest
 from PIL import Image
 from scipy import ndimage
 
-from crowquill import Tone, draw, exemplar, measure, relax, texture
-from crowquill.exemplar import learning, stylefile
+from crowquill import Tone, draw, exemplar, measure, relax, texture, to_bytes
+from crowquill.exemplar import kept, learning, stylefile
 from crowquill.exemplar.correlation import lens, radial
 from crowquill.exemplar.style import Hand, Level, Tile
 from crowquill.exemplar.synthesis import _Marks
@@ -42,13 +43,16 @@ def page(*parts: Marks, size: tuple[float, float]) -> Array:
 
 @pytest.fixture(scope="module")
 def plate(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """A drawing that nobody prepared: a stippled wedge with a vignette, scanned with noise and uneven light on yellow paper."""
+    """A drawing that nobody prepared: a stippled wedge, scanned askew in uneven light, noisy, yellow, smudged, the lid's shadow on it."""
     y, x = np.indices((60, 80)) / 60
     wedge = np.clip(0.05 + 0.5 * np.round(4 * x / 1.34) / 4 - 0.1 * (np.hypot(x - 0.3, y - 0.8) < 0.15), 0, 1)
-    marks = draw("stipple", Tone(wedge, (48, 36)), pen=0.35).marks
-    code = codes(page(marks.moved((2, 2)), size=(52, 40)))
-    shade = 1 - 0.1 * np.linspace(0, 1, code.shape[1])
-    noisy = code * shade + np.random.default_rng(0).normal(0, 0.01, code.shape)
+    marks = draw("stipple", Tone(wedge, (48, 32)), pen=0.35).marks
+    code = ndimage.rotate(codes(page(marks.moved((2, 2)), size=(52, 36))), 1.7, reshape=False, order=1, mode="nearest")
+    code *= 1 - 0.1 * np.linspace(0, 1, code.shape[1])
+    code[:, :18] *= np.linspace(0.3, 1, 18)
+    y, x = np.indices(code.shape)
+    code -= 0.08 * np.exp(-(((x - 900) / 120) ** 2) - ((y - 100) / 60) ** 2)
+    noisy = code + np.random.default_rng(0).normal(0, 0.01, code.shape)
     path = tmp_path_factory.mktemp("scan") / "plate.png"
     rgb = np.clip(noisy[:, :, None] * (1, 0.97, 0.82), 0, 1)
     Image.fromarray((255 * rgb).astype(np.uint8)).save(path, dpi=(DPI, DPI))
@@ -211,45 +215,36 @@ def test_marks_and_tones_are_learned_from_a_drawing_that_nobody_prepared(taught)
     assert np.interp(0.5 * spacing, level.lags, level.correlation) < -0.1  # relaxed dots keep apart
 
 
-def test_what_was_learned_from_it_draws(taught, tmp_path):
-    work = exemplar.learning_steps(taught)
-    while True:
-        try:
-            next(work)
-        except StopIteration as stop:
-            stylefile.save(stop.value, tmp_path / "plate.style")
-            break
+def test_what_was_learned_from_it_draws_and_is_learned_once(plate, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(exemplar, "BLACK", 4000)  # marks of a tile: a fifth of the time
     ramp = Tone(np.tile(np.linspace(0, 0.9, 60), (40, 1)), (30, 20))
-    report = draw("byexample", ramp, style_file=str(tmp_path / "plate.style")).report
-    assert report["ink_placed_mm2"] == pytest.approx(ramp.ink, rel=0.05)  # darks of black marks alone, and few of them
+    stages, drawings = [], []
+    for _ in range(2):
+        stages.append([])
+        drawings.append(draw("byexample", ramp, example=plate, watch=lambda step: stages[-1].append(step.stage)))
+    assert drawings[0].report["ink_placed_mm2"] == pytest.approx(ramp.ink, rel=0.03)  # marks of chance alone in the darks
+    assert stages[0][:2] == ["learn", "black"] and stages[1] == ["plan", "place", "measure"] and stages[0][-3:] == stages[1]
+    assert to_bytes(drawings[0], "svg") == to_bytes(drawings[1], "svg")
+    (file,) = (tmp_path / "crowquill").iterdir()
+    file.write_text("torn")
+    assert kept.recalled(file) is None
 
 
-def dots(coverage: float, corner: float, seed: int = 0) -> Marks:
-    marks = draw("stipple", Tone(np.full((4, 4), coverage), (14, 14)), pen=0.35, seed=seed).marks
-    return marks.moved((corner, 2))
+def test_styles_are_kept_by_what_the_scan_holds_and_the_oldest_go(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(kept, "MOST", 2)
+    files = []
+    for k in range(3):
+        (tmp_path / "scan.png").write_bytes(bytes([k]))
+        files.append(kept.place(tmp_path / "scan.png", None))
+        assert kept.kept(HAND, files[-1]).name == "hand" and files[-1].read_bytes() == stylefile.to_bytes(HAND)
+        os.utime(files[-1], (k, k))
+    assert kept.place(tmp_path / "scan.png", 600.0) != files[-1] != files[0]
+    assert sorted((tmp_path / "crowquill").iterdir()) == sorted(files[1:])
 
 
-def test_one_tone_is_no_example():
-    with pytest.raises(ValueError, match="one tone at most; give an example with patches"):
-        learning.learn(codes(page(dots(0.2, 2), size=(18, 18))), DPI)
-
-
-def test_a_page_without_dots_is_refused():
-    with pytest.raises(ValueError, match="no dots; scan dark ink"):
-        learning.learn(np.full((300, 300), 0.9), DPI)
-
-
-def test_one_giant_dot_is_no_example():
-    y, x = np.indices((600, 600)) - 300
-    with pytest.raises(ValueError, match=r"1 giant.*give an example in whose lights dots stand apart"):
-        learning.learn(codes((np.hypot(x, y) < 200).astype(float)), DPI)
-
-
-@pytest.mark.parametrize(("tag", "said"), [((72, 72), "72 dpi"), (None, "not known"), ((150, 150), "too coarse")], ids=str)
-def test_a_scan_of_unknown_size_asks_for_its_dpi(tmp_path, tag, said):
-    path = tmp_path / "scan.png"
-    image = Image.fromarray((255 * codes(page(dots(0.2, 2), size=(18, 18)))).astype(np.uint8))
-    image.save(path, **({"dpi": tag} if tag else {}))
-    with pytest.raises(ValueError, match=said) as error:
-        learning.learn(str(path))
-    assert "--example-dpi" in str(error.value) and " --dpi" not in str(error.value)
+def test_where_nothing_can_be_kept_a_style_is_learned_all_the_same(tmp_path):
+    (tmp_path / "file").write_text("")
+    assert kept.kept(HAND, tmp_path / "file" / "a.style").name == "hand" and kept.recalled(tmp_path / "file" / "a.style") is None
+    assert kept.kept(HAND, None).name == "hand" and kept.recalled(None) is None

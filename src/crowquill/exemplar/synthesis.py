@@ -22,12 +22,14 @@ from crowquill.exemplar.correlation import radial
 from crowquill.exemplar.style import Hand, Level, Tile
 from crowquill.marks import Marks
 from crowquill.paths import Array
+from crowquill.sheet import Step
 
 ROUNDS = 5  # of drawing a tone and correcting what is asked for
 MET = 0.01  # rms by which the correlation of the tile drawn may be missed
 RIGHT = 0.005  # of its coverage by which a tone may be missed
 SQUARE = 6.0  # mean spacings: the side of squares that have equal numbers of marks, and that none leaves
 PIXELS = 7  # to a mark's diameter, where a tile is drawn
+FINE = 0.06  # of coverage: tones between are measured no further apart
 LEAST = 12  # diameters to the side of a tile
 LEAP = 1e-6  # of coverage, at least, from tone to tone
 
@@ -66,8 +68,8 @@ class _Marks:
         return np.asarray(measure.rendered(marks, (self.side, self.side), (pixels, pixels), pitch=self.diameter / PIXELS / 4) >= 0.5)
 
 
-def tiled(hand: Hand, top: float, count: int, rng: np.random.Generator) -> Generator[tuple[int, int], None, Hand]:
-    """Yields how many tones of how many are done, and returns the hand with a tile of its tones, and on to a coverage of `top`.
+def tiled(hand: Hand, top: float, count: int, rng: np.random.Generator, stage: str) -> Generator[Step, None, Hand]:
+    """A Step of a stage for each tone, and returns the hand with a tile of its tones, and on to a coverage of `top`.
 
     count  of marks, about; darker than the darkest level they are added at random, evenly
     """
@@ -79,13 +81,14 @@ def tiled(hand: Hand, top: float, count: int, rng: np.random.Generator) -> Gener
     marks = _Marks(np.empty((0, 2)), float(side), hand)
     ends, reached, tones, places = [0], [0.0], [0.0], [marks.xy]
     for k, level in enumerate([*levels, None]):
-        yield k, len(levels) + 1
+        yield Step(stage, k, len(levels) + 1)
         covers = _darker(marks, level.coverage if level else top, level, rng)
-        half = (ends[-1] + len(marks.xy)) // 2
-        if half > ends[-1]:  # those that slide are half way
-            between = replace(marks, xy=np.concatenate([(places[-1] + marks.xy[: ends[-1]]) / 2, marks.xy[ends[-1] :]]))
-            ends.append(half)
-            reached.append(max(float(between.drawn(half).mean()), reached[-1]))
+        first, parts = len(places[-1]), max(2, int(np.ceil((covers - reached[-1]) / FINE)))
+        for share in np.arange(1, parts) / parts:  # marks that slide are on their way
+            on_way = places[-1] + share * (marks.xy[:first] - places[-1])
+            ends.append(round(first + share * (len(marks.xy) - first)))
+            between = replace(marks, xy=np.concatenate([on_way, marks.xy[first:]]))
+            reached.append(max(float(between.drawn(ends[-1]).mean()), reached[-1]))
         ends.append(len(marks.xy))
         reached.append(max(covers, reached[-1]))
         tones.append(max(reached[-1], tones[-1] + LEAP))

@@ -8,13 +8,14 @@ Source: S. Kim, R. Maciejewski, T. Isenberg, W. M. Andrews, W. Chen, M. C. Sousa
 from __future__ import annotations
 
 from collections.abc import Generator
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 import shapely
 
 from crowquill import exemplar, measure
-from crowquill.exemplar import darks, learning, stylefile
+from crowquill.exemplar import darks, kept, learning, stylefile
 from crowquill.exemplar.style import Hand, Style, Tile
 from crowquill.knobs import Range, Text
 from crowquill.marks import Marks
@@ -92,22 +93,19 @@ def draw(
 
 
 def _style(example: str, dpi: float | None, style_file: str | None) -> Generator[Step, None, Style]:
-    """Steps of learning, and then the style: one that was learned before takes no step."""
+    """Steps of learning, and then the style: one that was learned before, or comes along, takes no step."""
     if style_file is not None:
         return stylefile.load(style_file)
     if not exemplar.suffixed(example):
         if dpi is not None:
             raise ValueError(f"example_dpi {dpi:g} is for scans; leave it out for the example {example!r}, which knows its own")
         return exemplar.load(example)
-    yield Step("learn", 0, 1, {"seconds": LEARNING})
-    work = exemplar.learning_steps(learning.learn(example, dpi))
-    while True:
-        try:
-            done, total = next(work)
-        except StopIteration as stop:
-            style: Style = stop.value
-            return style
-        yield Step("synthesise", done, total)
+    file = kept.place(Path(example), dpi)
+    style = kept.recalled(file)
+    if style is None:
+        yield Step("learn", 0, 1, {"seconds": LEARNING})
+        style = kept.kept((yield from exemplar.learning_steps(learning.learn(example, dpi))), file)
+    return style
 
 
 def _expected(style: Style, asked: Tone) -> int:
