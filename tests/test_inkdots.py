@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import memory
 import numpy as np
 import pypdfium2
 import pytest
@@ -302,6 +303,27 @@ def test_a_library_without_scans_is_drawn_by_its_outlines_and_said() -> None:
     report = sheet(0.4, glyphs="disc", sizes=(0.3,), curve="measured-grey").report
     assert set(report["darkest"]) == {"black"} and report["warnings"] == ["this library has no scans: tone is kept of black dots"]
     assert darkness(sheet(0.4, glyphs="disc", sizes=(0.3,))) == pytest.approx(0.4, abs=NEAR)
+
+
+A4 = """
+import numpy as np
+import sys
+from pathlib import Path
+from crowquill import Tone, draw, save
+x = np.mgrid[0:1200, 0:850][1] / 850
+sheet = draw("inkdots", Tone(0.05 + 0.45 * x, (210, 297)), curve="measured-grey")
+save(sheet, sys.argv[1], dpi=1200)
+print(len(sheet.marks), Path(sys.argv[1]).stat().st_size)
+"""
+
+
+@pytest.mark.soak
+def test_a4_in_grey_at_1200_dpi_takes_less_than_a_gigabyte(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", None)
+    (dots, size), kilobytes = memory.taken(A4, str(tmp_path / "a4.tiff"))
+    assert kilobytes < 1_000_000 and dots > 400_000 and size > 20_000_000
+    with Image.open(tmp_path / "a4.tiff") as page:
+        assert page.mode == "L" and page.size == (9921, 14031)
 
 
 def write(folder: Path, name: str, values: Array) -> Path:
