@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import io
+from functools import cache
+
 import numpy as np
 import pytest
 import shapely
+from PIL import Image
 from scipy.stats import kstest
 
 import crowquill
@@ -18,6 +22,7 @@ HAND = exemplar.load("hand")
 SIDE = 30.0  # mm
 
 
+@cache
 def flat(coverage: float, **knobs: object) -> crowquill.Sheet:
     return crowquill.draw("byexample", Tone(np.full((20, 20), coverage), (SIDE, SIDE)), **knobs)
 
@@ -76,9 +81,11 @@ def test_marks_are_as_large_as_in_the_example_whatever_the_size_of_the_drawing()
 
 
 def test_what_is_drawn_is_black_alone_and_the_same_again():
-    one, same = (crowquill.to_bytes(flat(0.6), "svg") for _ in range(2))
+    one, same = (crowquill.to_bytes(drawing, "svg") for drawing in (flat(0.64), flat.__wrapped__(0.64)))
     assert one == same
-    assert {layer.ink.cmyk for layer in flat(0.6).layers} == {(0, 0, 0, 1)}
+    assert {layer.ink.cmyk for layer in flat(0.64).layers} == {(0, 0, 0, 1)}
+    pixels = np.asarray(Image.open(io.BytesIO(crowquill.to_bytes(flat(0.64), "png", bilevel=True))).convert("L"))
+    assert np.unique(pixels).tolist() == [0, 255]
 
 
 @pytest.mark.parametrize("coverage", [0.64, 0.85])
@@ -93,7 +100,7 @@ def test_white_marks_are_holes_and_rings_do_not_cross(coverage):
 
 
 def test_no_piece_of_black_is_smaller_than_a_quarter_of_a_mark():
-    sheet = flat(0.65)
+    sheet = flat(0.64)
     areas = next(layer.art for layer in sheet.layers if not isinstance(layer.art, Marks)).areas
     assert areas[areas > 0].min() > 0.24 * HAND.black.area  # snapping to micrometres moves a corner by a thousandth
 
@@ -107,8 +114,8 @@ def correlations(coverage: float, **knobs: object) -> Array:
 
 def test_the_two_examples_lie_plainly_otherwise():
     hand, even = (correlations(0.3, example=name) for name in ("hand", "even"))
-    assert hand[0] > 0.1 and even[0] < -0.05  # groups of dots; dots that keep apart
-    assert even[1] > hand[1]
+    assert hand[0] > 0.02 and even[0] < -0.1  # groups of dots; dots that keep apart
+    assert abs(hand[1]) < 0.05 and even[1] > 0.1
 
 
 @pytest.mark.parametrize(
