@@ -20,7 +20,7 @@ import shapely
 from scipy.spatial import Delaunay
 
 import crowquill
-from crowquill import cells, field, halftone, hilbert, judge, moments, relax, route, seen
+from crowquill import cells, exemplar, field, halftone, hilbert, judge, moments, relax, route, seen
 from crowquill.objects import Objects, Shape
 from crowquill.paths import Paths
 from crowquill.tone import Tone
@@ -100,6 +100,7 @@ def main(quick: bool) -> None:
     structured(small, d)
     judged(d)
     routed(d)
+    exampled(d)
     if not quick:
         plates(d, program)
 
@@ -199,6 +200,17 @@ def judged(d: float) -> None:
     tone = Tone(shaded(2000), (180, 180))
     sheet = crowquill.draw("stipple", tone, dots=SITES, iterations=10)
     row(f"judge, {len(sheet.marks)} dots against 4 Mpx", seconds(partial(judge.of, seen.of_sheet(sheet), tone), 2), d, "bar 20 D")
+
+
+def exampled(d: float) -> None:
+    """Ten tones learned from a page and made into tiles; drawings of 120 x 160 mm by what was kept of them, and in grey dots."""
+    page = exemplar.FOLDER / "hand.png"
+    tone = Tone(shaded(1000), (120, 160))
+    row("ten tones of an example learned, and tiles of them made", seconds(partial(exemplar.learned, page), 1), d, "bar 200 D")
+    row("byexample, 120 x 160 mm, its style kept", seconds(partial(crowquill.draw, "byexample", tone, example="hand"), 2), d)
+    sheet = crowquill.draw("inkdots", tone)
+    row(f"inkdots, {len(sheet.marks)} dots", seconds(partial(crowquill.draw, "inkdots", tone), 2), d)
+    row("and their grey at 600 dpi, as a TIFF", seconds(partial(crowquill.to_bytes, sheet, "tiff"), 2), d)
 
 
 BITMAP = "import sys, crowquill; crowquill.save(crowquill.load(sys.argv[1]), sys.argv[2], dpi=1200, bilevel=True)"

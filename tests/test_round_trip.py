@@ -100,11 +100,11 @@ def check_dots(page: Scan, marks: Marks, *, refused: float = 0.0) -> None:
     assert off.max() <= LIKE, f"a dot's area is {off.max():.1%} off"
 
 
-@pytest.mark.parametrize(("style", "refused"), [("stipple", 0.0), ("inkdots", 0.06)])
+@pytest.mark.parametrize(("style", "refused"), [("stipple", 0.0), ("inkdots", 0.015)])
 def test_dots_of_a_plate_come_back_from_a_scan(style: str, refused: float, tmp_path: Path) -> None:
     marks = plate(style).marks
     assert len(isolated(marks)) > 200
-    # dots of three nibs are not all like the commonest of the page, and the largest pass for two that touch
+    # of dots of three nibs a few of the largest and longest pass for two that lie half over one another
     check_dots(scanned(seen(printed(plate(style), grey_dots=False)), tmp_path), marks, refused=refused)
 
 
@@ -131,7 +131,7 @@ def test_a_plate_of_grey_dots_cut_at_their_rims_is_as_true_on_the_whole(tmp_path
     at, area = expected(isolated(plate("inkdots").marks))
     far, own = found(scanned(seen(printed(plate("inkdots"))), tmp_path), at)
     back = far < 0.1  # mm: those that are not refused
-    assert back.mean() > 0.9 and far[back].max() <= NEAR
+    assert back.mean() > 0.97 and far[back].max() <= NEAR
     assert (own / area)[back].mean() == pytest.approx(1, abs=0.02) and (own / area)[back].std() < LIKE  # one level for all dots
 
 

@@ -19,6 +19,7 @@ from skimage.measure import find_contours
 
 from crowquill import glyphs
 from crowquill.glyphs.scanning import Scan, library, scan
+from crowquill.glyphs.sorting import _largest
 from crowquill.paths import Array, Paths
 from crowquill.picture import encoded
 
@@ -164,6 +165,19 @@ def test_no_touching_pair_speck_or_cut_dot_is_taken_for_a_dot() -> None:
     assert 10 < found.counts["dust"] <= 16  # thirty specks on sixteen places
     assert apart.max() < 3 * UM  # as on the clean page
     assert np.abs(larger).max() < 0.02
+
+
+def test_the_largest_dots_of_a_page_of_several_pens_are_no_pairs_and_those_of_one_pen_are() -> None:
+    rng = np.random.default_rng(4)
+    for spread, largest in ((0.05, 1.6), (0.13, 2.2)):  # of diameters: log-normal, half of what areas have
+        areas = np.round(300 * np.exp(2 * spread * rng.standard_normal(2000))).astype(int)
+        assert _largest(areas, float(np.median(areas))) / np.median(areas) == pytest.approx(largest, abs=0.1)
+    few = np.array([100, 200, 300, 400, 500])
+    assert _largest(few, 300.0) == _largest(np.zeros(0, int), 300.0) == 1.6 * 300  # these tell nothing
+    places = [(1 + PITCH * (k % 8), 1 + PITCH * (k // 8)) for k in range(64)]
+    sizes = np.linspace(0.2, 0.38, 64)  # mm: the largest have 1.7 times the area of the median
+    mixed = [ellipse(x, y, size, 0.9 * size) for (x, y), size in zip(places, rng.permutation(sizes), strict=True)]
+    assert len(scan(page(mixed, (7, 7)), dpi=DPI).outlines) == 64
 
 
 def test_boxes_of_the_rejected_hold_what_was_rejected() -> None:

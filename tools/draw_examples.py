@@ -26,9 +26,9 @@ EDGE = 0.3  # mm of black around white marks
 BLACK = (0.04, 0.08, 0.14, 0.22, 0.32, 0.43, 0.55)
 WHITE = (0.26, 0.15, 0.07)  # of paper left, in the darks
 PAPER, INK, OPTICS = 0.90, 0.03, 0.6  # light of paper and ink; the blur of a scanner, in pixels
-CLUMP, NEAR, PATIENCE = 3.0, 1.1, 0.15  # dots to a group, diameters between them, and how often one is let overlap another
+CLUMP, NEAR, PATIENCE = 2.4, 1.3, 0.08  # dots to a group, diameters between them, and how often one is let overlap another
 EVENLY = (0.7548776662466927, 0.5698402909980532)  # multiples of these fill a square evenly, however many
-ASTRAY = 0.8  # of the spacing of groups, by which each is off its even place
+ASTRAY = 0.7  # of the spacing of groups, by which each is off its even place
 
 Maker = Callable[[float, bool, np.random.Generator], Marks]
 

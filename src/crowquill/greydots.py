@@ -14,6 +14,7 @@ from crowquill.kernel import compiled, shared_out
 from crowquill.marks import Marks
 from crowquill.paths import Array, Index
 
+RIM = 0.28  # of the light: what dots of the shipped libraries take where their outlines run, so that both have one area
 FINE = 1.05  # pixels of a scan to a sample at most: wider ones would miss the dark middles of small dots
 HELD = 1 << 22  # samples at a time
 ROWS = 4  # of pixels at least to a thread

@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from crowquill import glyphs, raster
-from crowquill.greydots import overlaid, scanned
+from crowquill.greydots import RIM, overlaid, scanned
 from crowquill.halftone import halftoned
 from crowquill.marks import Glyph, Marks
 from crowquill.paths import Array, Index, Paths
@@ -24,6 +24,8 @@ JITTER = 1.5 * PIXEL  # each way
 SIZES = (0.25, 0.3, 0.35)  # mm: nibs whose ink is that of the published scans with boxes of 4 to 7 pixels
 # denser about a half, where dots on a chequerboard overlap least
 TONES = np.array([0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.45, 0.48, 0.5, 0.52, 0.55, 0.6, 0.7, 0.8, 0.9, 1.0])
+PIXELS = 8  # to a dot's mean diameter, in which scans are cut
+SPARSE = 0.3  # of the paper under all candidates: below, rims hardly meet, and cut scans are as dark as outlines
 CELLS = 64  # a side of the flat patches measured: 4096 candidates, of whose tone chance moves half a percent
 
 
@@ -84,7 +86,11 @@ def _nibs(sizes: tuple[float, ...]) -> Dots:
 
 @dataclass(frozen=True, eq=False)
 class Reached:
-    """What tones dots give: of each of TONES asked for, rising, as outlines filled with black and, where they have scans, as grey."""
+    """What tones dots give, of each of TONES asked for, rising: black and, where they have scans, grey.
+
+    Black ones that have scans are the mean of outlines filled and of scans cut where a single dot has the same area: where dots
+    meet their rims add up to black, so that at the darkest a twentieth of the paper parts these two.
+    """
 
     black: Array
     grey: Array | None
@@ -119,11 +125,17 @@ def measured(dots: Dots, pitch: float, jitter: float) -> Reached:
     jitter = min(jitter, FAR * pitch)
     near = min(pitch, 3 * widest + 2 * jitter)
     lines = int(np.ceil(16 * near / dots.mean))
+    sparse = np.pi / 4 * (dots.mean / near) ** 2 < SPARSE
+    fine = 1 if sparse else int(np.ceil(PIXELS * near / dots.mean))  # pixels to a candidate
+    grid, pixel = (CELLS * fine,) * 2, (near / fine,) * 2
     black, grey = np.zeros(len(TONES)), np.zeros(len(TONES))
     for k, tone in enumerate(TONES):
         marks = flat(dots, tone, near, jitter, rng)
         black[k] = raster.covered(marks, (CELLS, CELLS), pixel=(near, near), lines=lines).mean()
-        grey[k] = overlaid(marks, (CELLS, CELLS), pixel=(near, near)).mean() if scanned(marks) else 0.0
+        if scanned(marks):
+            taken = overlaid(marks, grid, pixel=pixel)
+            grey[k] = taken.mean()
+            black[k] = black[k] if sparse else (black[k] + (taken >= RIM).mean()) / 2
     rising = [np.maximum.accumulate(tones) * (near / pitch) ** 2 + 1e-9 * np.arange(len(TONES)) for tones in (black, grey)]
     return Reached(rising[0], rising[1] if grey.any() else None)
 

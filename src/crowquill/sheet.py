@@ -197,6 +197,15 @@ class Sheet:
 
 
 @dataclass(frozen=True)
+class Shown:
+    """How a file shows a sheet: as pixels or not; and whether dots that have scans are grey there, as these, and not black."""
+
+    name: str
+    pixels: bool
+    grey: bool
+
+
+@dataclass(frozen=True)
 class Step:
     """One state of work under way: what stage, how much of it is done, figures of interest, a Sheet where there is one."""
 

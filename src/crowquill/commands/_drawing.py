@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from crowquill import formats, making, options, plotting
+from crowquill import making, options, plotting, styles
 from crowquill.commands import say
 from crowquill.commands._running import Run, long, silence
 from crowquill.recipe import PICTURE, Recipe, files_of
@@ -33,12 +33,7 @@ def _drawn(wanted: Recipe, *, picture: Path, recipe: Path | None, typed: Set[str
         raise ValueError(f"--{idle[0].replace('_', '-')} is for plotters; add --for plotter")
     asked = {key: value for key, value in wanted.files.items() if key in typed}
     run.check(list(paths.values()), asked, strokes="" if plotter else "takes strokes only; add --for plotter")
-    if (
-        wanted.knobs.get("form") == "auto"
-        and not run.plates
-        and all("bilevel" in formats.knobs(path.suffix[1:].lower()) for path in run.out)
-    ):
-        wanted = replace(wanted, knobs={**wanted.knobs, "form": "pixels"})  # outlines would be made into pixels of another size
+    wanted = replace(wanted, knobs=styles.suited(wanted.style, wanted.knobs, run.shown(wanted.files)))
     return draw(wanted, paths, run, said=said, named=making.named)
 
 

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 from crowquill import formats, styles
 from crowquill.commands import note, plain, say
 from crowquill.formats import _plates
-from crowquill.sheet import Sheet, Step
+from crowquill.sheet import Sheet, Shown, Step
 
 Found = TypeVar("Found")
 
@@ -46,6 +46,11 @@ class Run:
     def modules(self) -> list[Any]:
         """The formats written, one a file."""
         return [formats.module(path.suffix[1:].lower(), str(path)) for path in self.out]
+
+    def shown(self, files: Mapping[str, Any]) -> list[Shown]:
+        """How each file, and the plates, will show what is drawn, by knobs of formats."""
+        plates = [Shown(str(self.plates), pixels=False, grey=False)] if self.plates else []
+        return [formats.shown(path, files) for path in self.out] + plates
 
     def check(self, sources: Sequence[Path], asked: Mapping[str, Any], *, strokes: str = "") -> None:
         """Raises the error that writing would raise, before any work is done.
@@ -91,7 +96,7 @@ class Run:
             every = _plates.plan(sheet, self.plates, self.out[0].stem, kind=self.kind, values=files)
             formats.check([*self.out, *(path for path, _ in every)], overwrite=self.overwrite, sources=sources)
             plan += every
-        warnings = [*said, *sheet.report["warnings"]]
+        warnings = [*said, *sheet.report["warnings"], *styles.remarks(sheet.report, self.shown(files))]
         facts = {**sheet.report, "paper_mm": list(sheet.size), "files": [str(path) for path, _ in plan], "warnings": warnings}
         told = _Report(facts, self.began)
         to_file = self.report is not None and str(self.report) != "-"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
 from pathlib import Path
 from typing import Annotated
 
@@ -12,7 +11,6 @@ from crowquill import exemplar, formats
 from crowquill.commands import note, plain, say
 from crowquill.commands._running import silence, watched
 from crowquill.exemplar import learning, stylefile
-from crowquill.sheet import Step
 
 
 def add(app: typer.Typer) -> None:
@@ -30,7 +28,7 @@ def add(app: typer.Typer) -> None:
         formats.check([out], overwrite=overwrite, sources=[scan])
         with silence():
             style = learning.learn(scan, example_dpi)
-        style = watched(_steps(style))
+        style = watched(exemplar.learning_steps(style))
         formats.replace_files([(out, lambda file: file.write(stylefile.to_bytes(style)))])
         for text in style.notes:
             note(text)
@@ -38,15 +36,3 @@ def add(app: typer.Typer) -> None:
         whites = f", {len(style.white.glyphs)} white ones" if style.white else ""
         say(f"{plain(str(out))}: {len(style.black.glyphs)} marks{whites}, tones of {tones}")
         return 0
-
-
-def _steps(style: exemplar.Style) -> Generator[Step, None, exemplar.Style]:
-    """Steps of the tiles being made; returns the whole style."""
-    work = exemplar.learning_steps(style)
-    while True:
-        try:
-            done, total = next(work)
-        except StopIteration as stop:
-            whole: exemplar.Style = stop.value
-            return whole
-        yield Step("learn", done, total)

@@ -1,6 +1,6 @@
 """Stippling by example: a hand's marks, and how it lays them in each tone, learned from a scan and laid on without end.
 
-Reading order: style, learning, correlation, synthesis, darks, stylefile.
+Reading order: style, learning, correlation, synthesis, arranging, darks, stylefile, kept.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 from crowquill.exemplar import learning, stylefile, synthesis
 from crowquill.exemplar.style import Hand, Level, Style, Tile
 from crowquill.glyphs.page import Source
+from crowquill.sheet import Step
 
 __all__ = ["Hand", "Level", "Style", "Tile", "learned", "learning_steps", "load", "names", "suffixed"]
 
@@ -23,8 +24,6 @@ FOLDER = Path(__file__).parent.parent / "examples"
 SEED = 2009  # of tiles: they are a part of what is learned, and the same for all drawings
 BLACK, WHITE = 20_000, 8_000  # marks of a tile: 45 mm of dots of a 0.35 mm pen
 DARKEST = 0.97  # coverage that black marks alone are taken to
-
-Progress = tuple[int, int]  # tones done, and how many there are
 
 
 def names() -> list[str]:
@@ -51,13 +50,13 @@ def learned(source: Source, dpi: float | None = None) -> Style:
             return style
 
 
-def learning_steps(style: Style) -> Generator[Progress, None, Style]:
-    """Yields Progress, and returns the style with tiles for its hands."""
+def learning_steps(style: Style) -> Generator[Step, None, Style]:
+    """Steps of tiles being made, tone by tone; returns the style with tiles for its hands."""
     chance = np.random.default_rng(SEED).spawn(2)
-    black = yield from synthesis.tiled(style.black, style.turnover[1] if style.white else DARKEST, BLACK, chance[0])
+    black = yield from synthesis.tiled(style.black, style.turnover[1] if style.white else DARKEST, BLACK, chance[0], "black")
     if style.white is None:
         return replace(style, black=black)
-    white = yield from synthesis.tiled(style.white, 1 - style.turnover[0], WHITE, chance[1])
+    white = yield from synthesis.tiled(style.white, 1 - style.turnover[0], WHITE, chance[1], "white")
     return replace(style, black=black, white=white)
 
 

@@ -25,7 +25,7 @@ from crowquill.glyphs.scanning import STRAY, TILE, Scan, scan
 from crowquill.glyphs.sorting import sorted_out
 from crowquill.marks import Glyph
 from crowquill.paths import Array, Paths
-from crowquill.picture import linear
+from crowquill.picture import colours, linear
 from crowquill.units import INCH
 
 Mask = npt.NDArray[np.bool_]
@@ -38,15 +38,17 @@ ALIKE = 0.035  # of asin(sqrt(coverage)), in which chance is as large at all ton
 APART = 0.05  # of it, at least, between tones
 FAINT = 0.01  # of coverage, of marks on a ground: less is dust, or no tone
 TOLD_APART = 2.0  # the darkest tone over the lightest: squares half on a patch of one tone have down to half of it
+SAMPLED = 500  # pixels a side, of which the paper's colour is taken
 REACH = 4.0  # mean spacings: how far the texture is followed; from there to FAR it only tells how tone drifts
 FAR = 5.0
 STEP = 0.2  # of a dot's diameter, between distances
 FINER = 8  # pixels to a dot's diameter in which texture is read
 BANK = 300  # shapes kept of an ink
+CAST = 1 / 3  # of the paper's strongest light: the weakest of red, green and blue. Old yellow paper has a half, brown wrapping a quarter
 FEW = 12  # single marks, from which on there is a bank; a single white one is no style
 DARK = 0.6  # coverage from which on marks may be white
 ISLANDS = 0.12  # of the white of a dark tone that must be single marks: of three tenths of white, crowded, a fifth is
-BLEND = 0.03  # of coverage, at least, over which black marks give way to white ones, each way
+BLEND = 0.04  # of coverage, over which black marks give way to white ones, each way
 UNHEARD = ("uneven light", "outlines lie")  # warnings of scans: dark tones look like dim paper, and marks are drawn, not measured
 
 
@@ -67,9 +69,10 @@ def learn(source: Source, dpi: float | None = None) -> Style:
     dpi     of the scan; left out, that of the file's tag, or of a ruler on the page
 
     White marks are learned where a tone over 0.6 has a dozen or more that are single. Raises ValueError for a page of one
-    tone, without a dozen single dots, with dots of white alone, or of an unknown or coarse scale.
+    tone, without a dozen single dots, with dots of white alone, with a colour cast, or of an unknown or coarse scale.
     """
     name = called(source)
+    _balanced(source)
     try:
         found = scan(source, dpi=dpi)
     except ValueError as error:
@@ -104,10 +107,28 @@ def learn(source: Source, dpi: float | None = None) -> Style:
     notes = tuple(f"the example: {said}" for said in found.warnings if not any(word in said for word in UNHEARD))
     if not white:
         return Style(name_of(source), found.dpi, digest(source), black, notes=notes)
-    pair = black.levels[-1].coverage, 1 - max(level.coverage for level in white)
-    middle, half = sum(pair) / 2, max((pair[1] - pair[0]) / 2, BLEND)
+    middle = (black.levels[-1].coverage + 1 - max(level.coverage for level in white)) / 2
+    half = min(BLEND, (1 - middle) / 2)
     pale = Hand(tuple(glyphs[i] for i in _evenly(len(glyphs))), tuple(sorted(white, key=lambda level: level.coverage)))
     return Style(name_of(source), found.dpi, digest(source), black, pale, (middle - half, middle + half), notes)
+
+
+def _balanced(source: Source) -> None:
+    """Raises ValueError for paper so far from grey that its light says little of ink."""
+    if isinstance(source, np.ndarray):
+        return
+    rgb = colours(source)[0][..., :3]
+    if not isinstance(source, (str, os.PathLike)):
+        source.seek(0)
+    few = rgb[:: len(rgb) // SAMPLED + 1, :: rgb.shape[1] // SAMPLED + 1].reshape(-1, 3)
+    bright = few.sum(axis=1, dtype=np.int64)
+    paper = np.median(few[bright >= np.quantile(bright, 0.9)], axis=0)
+    light = linear(paper / 255)
+    if light.min() < CAST * light.max():
+        told = ", ".join(f"{value:.0f}" for value in paper)
+        raise ValueError(
+            f"{called(source)}: has a colour cast, its paper is {told} (red, green, blue); scan it in grey, or balance its white"
+        )
 
 
 def name_of(source: Source) -> str:

@@ -20,11 +20,12 @@ from crowquill.marks import Glyph
 from crowquill.paths import Array, Paths
 from crowquill.vector import contents
 
-SCHEMA = 1  # a reader refuses a newer one
+SCHEMA = 2  # a reader refuses a newer one
 FINEST = 1e-4  # mm, of shapes
 STEPS = 65536
 MOST = 4_000_000  # numbers of an array
 SIDES = (1.0, 1000.0)  # mm, of tiles
+TONES = 64  # of a tile; ten are learned
 
 
 def save(style: Style, path: str | os.PathLike[str]) -> None:
@@ -92,9 +93,35 @@ def _hand(hand: Hand) -> dict[str, Any]:
             for level in hand.levels
         ],
         "side_mm": round(hand.tile.side, 6),
-        "places": _packed(np.floor(hand.tile.xy / hand.tile.side * STEPS + 1e-6) % STEPS, "<u2"),
+        "tones": [round(tone, 9) for tone in hand.tile.tones.tolist()],
+        **_places(hand.tile),
         "thresholds": _packed(np.round(np.clip(hand.tile.threshold, 0, 1) * (STEPS - 1)), "<u2"),
     }
+
+
+def _places(tile: Tile) -> dict[str, Any]:
+    """Where marks lie in the darkest tone, and for each lighter one how far from there, tone by tone, those do that move at all."""
+    steps = np.floor(tile.xy / tile.side * STEPS + 1e-6)
+    slides = steps[:-1] - steps[1:]
+    ends = [int(np.flatnonzero(slide.any(axis=1))[-1]) + 1 if slide.any() else 0 for slide in slides]
+    return {
+        "places": _packed(steps[-1] % STEPS, "<u2"),
+        "slides": [_packed(slide[:end], "<i2") for slide, end in zip(slides, ends, strict=True)],
+    }
+
+
+def _tile(data: dict[str, Any]) -> Tile:
+    side, tones = float(data["side_mm"]), np.array(data["tones"], np.float64)
+    steps = [_unpacked(data["places"], "<u2").reshape(-1, 2)]
+    threshold = _unpacked(data["thresholds"], "<u2") / (STEPS - 1)
+    if (np.diff(threshold) < 0).any() or not SIDES[0] <= side <= SIDES[1]:
+        raise ValueError(f"thresholds that do not rise, or a tile of {side:g} mm")
+    if not 0 < len(tones) == len(data["slides"]) + 1 <= TONES or (np.diff(tones, prepend=0) <= 0).any():
+        raise ValueError("tones that do not rise, or others than places are known in")
+    for packed in reversed(data["slides"]):
+        slide = _unpacked(packed, "<i2").reshape(-1, 2)
+        steps.append(steps[-1] + np.pad(slide, ((0, len(steps[0]) - len(slide)), (0, 0))))
+    return Tile(side, threshold, tones, np.array(steps[::-1]) * side / STEPS)
 
 
 def _read(data: dict[str, Any]) -> Hand:
@@ -104,12 +131,7 @@ def _read(data: dict[str, Any]) -> Hand:
     rings = np.split(points, np.cumsum(counts)[:-1])
     glyphs = tuple(Glyph.of(Paths.of([ring], cubic=bool(data["cubic"]))) for ring in rings)
     levels = tuple(_level(level) for level in data["levels"])
-    side = float(data["side_mm"])
-    places = _unpacked(data["places"], "<u2").reshape(-1, 2) * side / STEPS
-    threshold = _unpacked(data["thresholds"], "<u2") / (STEPS - 1)
-    if (np.diff(threshold) < 0).any() or not SIDES[0] <= side <= SIDES[1]:
-        raise ValueError(f"thresholds that do not rise, or a tile of {side:g} mm")
-    return Hand(glyphs, levels, Tile(side, places, threshold))
+    return Hand(glyphs, levels, _tile(data))
 
 
 def _level(data: dict[str, Any]) -> Level:

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from crowquill.knobs import Knob, checked, of, unknown
-from crowquill.sheet import Sheet
+from crowquill.sheet import Sheet, Shown
 from crowquill.vector import contents
 
 Target = str | os.PathLike[str] | BinaryIO
@@ -43,6 +43,13 @@ def names() -> list[str]:
 def knobs(format: str) -> dict[str, Knob]:
     """The knobs of a format, read from the signature of its `write`, in its order."""
     return of(module(format, format).write)
+
+
+def shown(path: Path, values: Mapping[str, Any]) -> Shown:
+    """How a file of this name will show a sheet, values being knobs of formats."""
+    own = knobs(path.suffix[1:].lower())
+    taken = {key: values.get(key, own[key].default) for key in own}
+    return Shown(str(path), "bilevel" in own, bool(taken.get("grey_dots")) and not taken.get("bilevel"))
 
 
 def save(sheet: Sheet, *targets: Target, format: str | None = None, overwrite: bool = True, **values: Any) -> None:

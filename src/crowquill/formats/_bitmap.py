@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from crowquill.greydots import Greys, scanned
+from crowquill.greydots import RIM, Greys, scanned
 from crowquill.kernel import compiled, shared_out
 from crowquill.marks import Marks
 from crowquill.paths import Array
@@ -26,7 +26,6 @@ USUAL = 600.0  # dpi
 BILEVEL = "black and white alone: black where ink covers over half of a pixel"
 GREY_DOTS = "dots that have scans as grey pixels of these, not outlines (yes for PNG and TIFF; no for PDF, of 600 dpi)"
 BLACK_FROM = "in black and white, how much light grey dots take where they are black; 0.216 is the published level"
-RIM = 0.28  # of the light: what dots of the shipped libraries take where their outlines run, so that both have one area
 KEYWORD, DESCRIPTION = "crowquill", 270  # where the recipe is kept: a text of PNG, a field of TIFF
 MOST_BITS = 2_000_000_000  # pixels of black and white: A4 at 4500 dpi
 MOST = 500_000_000  # pixels of grey or colour: A4 at 2200 dpi

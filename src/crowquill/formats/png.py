@@ -10,9 +10,10 @@ from typing import Annotated, BinaryIO
 
 import numpy as np
 
-from crowquill.formats._bitmap import BILEVEL, BLACK_FROM, DPI, GREY_DOTS, KEYWORD, RIM, Bytes, bands, page, said
+from crowquill.formats._bitmap import BILEVEL, BLACK_FROM, DPI, GREY_DOTS, KEYWORD, Bytes, bands, page, said
 from crowquill.formats._bitmap import foresee as foresee  # what every format may have
 from crowquill.formats._bitmap import recipe as recipe
+from crowquill.greydots import RIM
 from crowquill.knobs import Flag, Range
 from crowquill.sheet import Bitmap, Sheet
 from crowquill.units import INCH

@@ -11,9 +11,10 @@ from typing import Annotated, Any, BinaryIO
 
 import numpy as np
 
-from crowquill.formats._bitmap import BILEVEL, BLACK_FROM, DESCRIPTION, DPI, GREY_DOTS, RIM, Bytes, bands, page, said
+from crowquill.formats._bitmap import BILEVEL, BLACK_FROM, DESCRIPTION, DPI, GREY_DOTS, Bytes, bands, page, said
 from crowquill.formats._bitmap import foresee as foresee  # what every format may have
 from crowquill.formats._bitmap import recipe as recipe
+from crowquill.greydots import RIM
 from crowquill.knobs import Flag, Range
 from crowquill.sheet import Sheet
 

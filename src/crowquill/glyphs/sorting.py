@@ -20,6 +20,9 @@ Window = tuple[slice, slice]  # rows, columns
 
 GIANT = 3.0  # mm: no pen leaves a dot so wide
 DUST = 0.3  # of the median area, and 5 pixels; diameters of one pen's dots spread by 11 % at most, three times that leaves 0.45
+LARGE = (1.6, 2.6)  # of the median area, at least and at most, up to which a dot of good shape is one
+SPREAD = 3.0  # standard deviations of the logarithm of the area, from the median to the largest single dot
+FEW = 20  # dots smaller than the median, from which on they tell how areas spread
 MARGIN = 0.1  # mm of paper around a patch, at least 4 pixels
 
 
@@ -47,13 +50,14 @@ def sorted_out(darkness: Grey, threshold: float, mm: float, ruler: Ruler | None 
         for k in _on(ruler, labels, boxes):
             reasons[k] = "ruler"
     usual = _usual(areas[[not reason for reason in reasons]])
+    largest = _largest(areas[[not reason for reason in reasons]], usual)
     dots = []
     for k, box in enumerate(boxes):
         reasons[k] = reasons[k] or ("dust" if areas[k] < max(DUST * usual, 5) else "")
         if reasons[k]:
             continue
         dot = _dot(darkness, labels, k + 1, box, max(4, round(MARGIN / mm)))
-        if _merged(dot.contour, areas[k], usual):
+        if _merged(dot.contour, areas[k], usual, largest):
             reasons[k] = "merged"
         else:
             dots.append(dot)
@@ -95,6 +99,13 @@ def _usual(areas: Areas) -> float:
     return usual
 
 
+def _largest(areas: Areas, usual: float) -> float:
+    """The area of the largest single dots, by how those below the median spread: dots that touch are all above it."""
+    small = areas[(areas >= DUST * usual) & (areas <= usual)]
+    spread = np.log(usual / np.quantile(small, 0.32)) if len(small) >= FEW else 0.0  # of half the dots: a standard deviation below
+    return usual * float(np.clip(np.exp(SPREAD * spread), *LARGE))
+
+
 def _dot(darkness: Grey, labels: Label, label: int, box: Window, margin: int) -> Dot:
     """One component as a Dot; what is nearer to another is blanked."""
     top, left = (max(0, side.start - margin) for side in box)
@@ -113,7 +124,7 @@ def _dot(darkness: Grey, labels: Label, label: int, box: Window, margin: int) ->
     return Dot(patch, np.array([left, top], np.float64), level, contour_at(level))
 
 
-def _merged(contour: Array, pixels: int, usual: float) -> bool:
+def _merged(contour: Array, pixels: int, usual: float, largest: float) -> bool:
     """Whether a contour is of more than one dot.
 
     Touching discs have 2 areas, solidity 0.9, axis ratio 0.5. A contour much smaller than its component is of one of two.
@@ -121,6 +132,6 @@ def _merged(contour: Array, pixels: int, usual: float) -> bool:
     if len(contour) < 8:
         return True
     area, solidity, ratio = shape(contour)
-    size = area / usual
     parted = abs(area - pixels) > 0.25 * pixels + 4  # 4: a dot of few pixels gains or loses its corners
-    return parted or size > 1.6 or solidity < 0.86 or ratio < 0.6 or (size > 1.3 and (solidity < 0.95 or ratio < 0.75))
+    odd = area > 1.3 * usual and (solidity < 0.95 or ratio < 0.72)
+    return parted or area > largest or solidity < 0.86 or ratio < 0.6 or odd

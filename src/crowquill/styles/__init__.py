@@ -1,6 +1,7 @@
 """Styles: how a Tone becomes a Sheet. One file of this folder is one style; its signature is its only schema.
 
-A style is a generator `draw(tone, rng, *, knob=...)`: it yields Steps and returns its Sheet.
+A style is a generator `draw(tone, rng, *, knob=...)`: it yields Steps and returns its Sheet. One that minds how files show it may
+have `suited(knobs, files)`, the knobs that it draws best with for them, and `remarks(report, files)`, what is to be said of them.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ import ast
 import importlib
 import numbers
 import sys
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from importlib.metadata import EntryPoints, entry_points, version
@@ -19,7 +20,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from crowquill.knobs import Knob, checked, of, unknown
 
 if TYPE_CHECKING:
-    from crowquill.sheet import Sheet, Step
+    from crowquill.sheet import Sheet, Shown, Step
     from crowquill.tone import Tone
 
 Work = Generator["Step", None, "Sheet"]
@@ -65,6 +66,22 @@ def coloured(name: str) -> bool:
 def knobs(name: str) -> dict[str, Knob]:
     """The knobs of a style, read from its signature, in its order."""
     return of(style(name))
+
+
+def suited(name: str, values: Mapping[str, Any], files: Sequence[Shown]) -> Mapping[str, Any]:
+    """A style's knobs as they suit the files that will be written."""
+    own = getattr(sys.modules[style(name).__module__], "suited", None)
+    found: Mapping[str, Any] = own(values, files) if own and files else values
+    return found
+
+
+def remarks(report: Mapping[str, Any], files: Sequence[Shown]) -> list[str]:
+    """What is to be said of files that show a drawing otherwise than it was drawn for, and of the drawings on a plate alike."""
+    found = [line for panel in report.get("panels", ()) for own in panel["layers"] for line in remarks(own, files)]
+    if report.get("style") in names():
+        own = getattr(sys.modules[style(report["style"]).__module__], "remarks", None)
+        found += own(report, files) if own else []
+    return found
 
 
 def steps(name: str, tone: Tone, *, seed: int = 0, **values: Any) -> Work:

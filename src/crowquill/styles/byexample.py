@@ -8,25 +8,27 @@ Source: S. Kim, R. Maciejewski, T. Isenberg, W. M. Andrews, W. Chen, M. C. Sousa
 from __future__ import annotations
 
 from collections.abc import Generator
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 import shapely
 
 from crowquill import exemplar, measure
-from crowquill.exemplar import darks, learning, stylefile
+from crowquill.exemplar import darks, kept, learning, stylefile
 from crowquill.exemplar.style import Hand, Style, Tile
 from crowquill.knobs import Range, Text
 from crowquill.marks import Marks
 from crowquill.paths import Array
 from crowquill.sheet import Ink, Layer, Sheet, Step
-from crowquill.stippling import Clock, cut_white, snapped
+from crowquill.stippling import Clock, cut_white, snapped, together
 from crowquill.styles import Work
 from crowquill.tone import Tone
 
 EXAMPLE = "hand"
 LEARNING = 40.0  # seconds, about, that a page of a few thousand dots takes
 SPEED = 40_000  # marks a second that are laid and measured
+PASSES = 3  # of looking up the tone where a mark lies, which says where it lies
 INK = 0.02  # marks are as wide as in the example, and lie in groups if they do there: a drawing has a few too many or too few
 
 
@@ -62,20 +64,14 @@ def draw(
             f"the picture takes {count} marks like the example's, over the limit of {max_dots}; draw it smaller, or raise max-dots"
         )
     yield Step("plan", 0, 1, {"dots": count, "seconds": 1 + count / SPEED})
-    chance = rng.spawn(5)
-    region = darks.area(asked, style.turnover, 2 * np.sqrt(style.black.area / np.pi), chance[4]) if style.white else shapely.MultiPolygon()
-    shapely.prepare(region)
-    black = _laid(style.black, asked, chance[0], chance[1])
-    black = black.take(~blank[tone.under(black.xy)] & ~shapely.intersects_xy(region, *black.xy.T))
+    chance = rng.spawn(3)
+    black = _laid(style.black, asked, chance[0])
+    black = black.take(~blank[tone.under(black.xy)])
     yield Step("place", 1, 2, {"dots": len(black)})
-    cut, holes = region, 0
-    if style.white and not region.is_empty:
-        pale = _laid(style.white, asked.mapped(lambda c: 1 - c), chance[2], chance[3])
-        pale = pale.take(shapely.contains_xy(region, *pale.xy.T))
-        cut, holes = darks.cut(region, pale, style.black.area), len(pale)
+    areas, black, holes = _darks(style, asked, black, chance[1], chance[2])
     clock.lap("place")
     yield Step("measure", 0, 1)
-    ink = measure.ink(black) + float(shapely.area(cut)) - darks.overlap(cut, black)
+    ink = measure.ink(black) + float(shapely.area(areas)) - darks.overlap(areas, black)
     clock.lap("measure")
     report: dict[str, Any] = {
         "marks": len(black) + holes,
@@ -92,27 +88,24 @@ def draw(
         "seconds": clock.laps,
     }
     report["warnings"] = _warnings(style, tone, report)
-    every = Layer(Ink(), darks.rings(cut), "areas"), Layer(Ink(), black, "marks")
+    every = Layer(Ink(), darks.rings(areas), "areas"), Layer(Ink(), black, "marks")
     return Sheet(tone.size, tuple(layer for layer in every if len(layer.art)) or every[1:], report=report)
 
 
 def _style(example: str, dpi: float | None, style_file: str | None) -> Generator[Step, None, Style]:
-    """Steps of learning, and then the style: one that was learned before takes no step."""
+    """Steps of learning, and then the style: one that was learned before, or comes along, takes no step."""
     if style_file is not None:
         return stylefile.load(style_file)
     if not exemplar.suffixed(example):
         if dpi is not None:
             raise ValueError(f"example_dpi {dpi:g} is for scans; leave it out for the example {example!r}, which knows its own")
         return exemplar.load(example)
-    yield Step("learn", 0, 1, {"seconds": LEARNING})
-    work = exemplar.learning_steps(learning.learn(example, dpi))
-    while True:
-        try:
-            done, total = next(work)
-        except StopIteration as stop:
-            style: Style = stop.value
-            return style
-        yield Step("synthesise", done, total)
+    file = kept.place(Path(example), dpi)
+    style = kept.recalled(file)
+    if style is None:
+        yield Step("learn", 0, 1, {"seconds": LEARNING})
+        style = kept.kept((yield from exemplar.learning_steps(learning.learn(example, dpi))), file)
+    return style
 
 
 def _expected(style: Style, asked: Tone) -> int:
@@ -130,25 +123,54 @@ def _density(tile: Tile | None, coverage: Array) -> Array:
     return np.asarray(np.searchsorted(tile.threshold, coverage) / tile.side**2)
 
 
-def _laid(hand: Hand, asked: Tone, place: np.random.Generator, deal: np.random.Generator) -> Marks:
+def _darks(
+    style: Style, asked: Tone, black: Marks, rng: np.random.Generator, chance: np.random.Generator
+) -> tuple[shapely.Geometry, Marks, int]:
+    """The areas of black out of which white marks are cut, the black marks that are left, and how many are cut out."""
+    if style.white is None:
+        return shapely.MultiPolygon(), black, 0
+    diameter = 2 * float(np.sqrt(style.black.area / np.pi))
+    ground = darks.ground(asked, style.turnover, diameter, rng)
+    if ground.whole.is_empty:
+        return ground.whole, black, 0
+    beads = _shaped(style.black, darks.beads(ground.core, asked.canvas, diameter, rng), rng)
+    near = shapely.buffer(ground.whole, darks.NEAR * diameter)
+    for part in (ground.whole, near):
+        shapely.prepare(part)
+    black = black.take(~shapely.intersects_xy(ground.whole, *black.xy.T))
+    joins = shapely.intersects_xy(near, *black.xy.T)
+    white = _laid(style.white, asked.mapped(lambda c: 1 - c), chance)
+    white = white.take(shapely.intersects_xy(ground.whole, *white.xy.T))
+    areas = darks.cut(ground.core, together([black.take(joins), beads]), white, style.black.area)
+    return areas, black.take(~joins), len(white)
+
+
+def _laid(hand: Hand, asked: Tone, rng: np.random.Generator) -> Marks:
     """The marks of a hand where a tone is darker than their thresholds, in the canvas, in whole micrometres."""
-    tile = hand.tile
-    assert tile is not None
+    assert hand.tile is not None
+    place, deal = rng.spawn(2)
     mirrored, turned = place.random(2) < 0.5
-    own = tile.xy * (-1, 1) if mirrored else tile.xy
-    own = (own[:, ::-1] if turned else own) + place.random(2) * tile.side
-    found, most = [np.empty((0, 2))], asked.coverage.max()
-    first = np.searchsorted(tile.threshold, most)
-    own, threshold = own[:first] % tile.side, tile.threshold[:first]
-    for top in np.arange(0, asked.size[1], tile.side):
-        for left in np.arange(0, asked.size[0], tile.side):
-            xy = own + np.array([left, top])
-            found.append(xy[(threshold < asked.at(xy)) & (xy <= asked.size).all(axis=1)])
+    tile = hand.tile.laid(bool(mirrored), bool(turned), place.random(2))
+    drawn, stray = np.arange(np.searchsorted(tile.threshold, asked.coverage.max())), tile.stray
+    found = [np.empty((0, 2))]
+    for top in np.arange(-tile.side, asked.size[1], tile.side):
+        for left in np.arange(-tile.side, asked.size[0], tile.side):
+            corner = np.array([left, top])
+            home = tile.xy[-1, drawn] + corner
+            near = ((home >= -stray) & (home <= np.add(asked.size, stray))).all(axis=1)
+            which, xy = drawn[near], home[near]
+            for _ in range(PASSES):
+                xy = tile.at(which, asked.at(xy)) + corner
+            found.append(xy[(tile.threshold[which] < asked.at(xy)) & ((xy >= 0) & (xy <= asked.size)).all(axis=1)])
     sites, kept = snapped(np.concatenate(found), asked, np.zeros(asked.coverage.shape, bool))
-    sites = sites[kept]
-    kind = _dealt(len(sites), len(hand.glyphs), deal)
+    return _shaped(hand, sites[kept], deal)
+
+
+def _shaped(hand: Hand, sites: Array, rng: np.random.Generator) -> Marks:
+    """Marks of a hand at sites (n, 2) mm, each turned by chance."""
+    kind = _dealt(len(sites), len(hand.glyphs), rng)
     scale = np.array([glyph.size for glyph in hand.glyphs])[kind] * np.sqrt(np.pi) / 2
-    return Marks.of(sites, hand.glyphs, scale=scale, angle=deal.uniform(0, 2 * np.pi, len(sites)), glyph=kind)
+    return Marks.of(sites, hand.glyphs, scale=scale, angle=rng.uniform(0, 2 * np.pi, len(sites)), glyph=kind)
 
 
 def _dealt(count: int, shapes: int, rng: np.random.Generator) -> Array:

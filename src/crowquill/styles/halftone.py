@@ -7,7 +7,7 @@ Algorithm, SIGGRAPH 2001; the others in crowquill.halftone.
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from typing import Annotated, Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from crowquill.halftone.borders import corners, rings
 from crowquill.knobs import Choice, Flag, Range, Text
 from crowquill.marks import Marks
 from crowquill.paths import Array, Paths
-from crowquill.sheet import Art, Bitmap, Ink, Layer, Sheet, Step
+from crowquill.sheet import Art, Bitmap, Ink, Layer, Sheet, Shown, Step
 from crowquill.stippling import Clock, dotted, snapped
 from crowquill.styles import Work
 from crowquill.tone import Tone
@@ -100,6 +100,11 @@ def draw(
     }
     report["warnings"] = _warnings(report, tone)
     return Sheet(tone.size, (Layer(Ink(), art, "halftone"),), report=report)
+
+
+def suited(values: Mapping[str, Any], files: Sequence[Shown]) -> dict[str, Any]:
+    """The knobs for these files: pixels where all are of pixels, as outlines would be made into pixels of another size."""
+    return {**values, "form": "pixels"} if values.get("form") == "auto" and all(file.pixels for file in files) else dict(values)
 
 
 def _planned(tone: Tone, cell: float | None, cells_per_inch: float | None) -> Grid:
