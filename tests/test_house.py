@@ -20,8 +20,9 @@ LAYERS = """
 units kernel
 knobs
 paths
-hilbert halftone vector picture delaunay lettering marks hatching
-light
+hilbert halftone exact vector picture lettering marks hatching
+regular
+light delaunay
 tone tracing sheet curves
 cells glyphs raster forme scale plotforms greydots printable
 trimming plots
@@ -30,7 +31,9 @@ spectrum quadrature texture likeness inertia tiles
 spacing objects parting tesserae
 settling shapes
 relax route
+capacity splitting
 stippling screening laying inkdots exemplar
+nibs
 plotting finishing
 styles formats
 recipe seen calibration

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 import crowquill
 from crowquill import Marks, Sheet, Tone, glyphs, measure, stippling
-from crowquill.styles.stipple import _eased, _followed, _handed_out
+from crowquill.nibs import _eased, _followed, _handed_out
 
 Array = npt.NDArray[np.float64]
 NIBS = (0.2, 0.3, 0.5)

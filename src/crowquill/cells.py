@@ -191,9 +191,7 @@ def _boxes(xy: Array, start: Index, lower: Array, upper: Array) -> None:
             lower[ring, axis], upper[ring, axis] = low, high
 
 
-def _handed_over(
-    pieces: npt.NDArray[np.object_], cell: Index, sites: Array, weights: Array, rings: Paths, cut: Index, net: Net
-) -> Index:
+def _handed_over(pieces: npt.NDArray[np.object_], cell: Index, sites: Array, weights: Array, rings: Paths, cut: Index, net: Net) -> Index:
     """The owner of each piece: of each cell the one nearest its site stays, the rest go to the nearest site of those they touch.
 
     A piece may touch one that has itself been handed over: rounds are made until nothing changes, all of a round at

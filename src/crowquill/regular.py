@@ -91,7 +91,7 @@ def _around(points: Array, vertices: Index, neighbours: Index, t: int, p: int) -
     while True:
         for k in range(3):
             if turn(points, vertices[t, k], vertices[t, (k + 1) % 3], p) < 0:
-                t = neighbours[t, k]
+                t = int(neighbours[t, k])
                 break
         else:
             return t
@@ -129,7 +129,7 @@ def _beside(neighbours: Index, t: int, old: int, new: int) -> None:
 @compiled
 def _flipped(vertices: Index, neighbours: Index, t: int) -> int:
     """Turns the side of t across from its first vertex; returns the other triangle, which then begins with that vertex too."""
-    u = neighbours[t, 1]
+    u = int(neighbours[t, 1])
     j = _side(neighbours, u, t)
     p, y, d = vertices[t, 0], vertices[t, 2], vertices[u, (j + 2) % 3]
     beyond_x, beyond_y, beyond_p = neighbours[u, (j + 1) % 3], neighbours[u, (j + 2) % 3], neighbours[t, 2]
@@ -161,7 +161,7 @@ def _degree(vertices: Index, neighbours: Index, t: int, v: int) -> int:
 def _merged(vertices: Index, neighbours: Index, t: int, v: int) -> tuple[int, int]:
     """Makes one of the three triangles around v, of which t is one and begins as before; returns the other two, which are free."""
     i = 1 if vertices[t, 1] == v else 2
-    before, after = neighbours[t, i - 1], neighbours[t, i]
+    before, after = int(neighbours[t, i - 1]), int(neighbours[t, i])
     j, k = _side(neighbours, before, t), _side(neighbours, after, t)
     vertices[t, i] = vertices[before, (j + 2) % 3]
     neighbours[t, i - 1], neighbours[t, i] = neighbours[before, (j + 1) % 3], neighbours[after, (k + 2) % 3]
