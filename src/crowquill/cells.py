@@ -43,6 +43,11 @@ class Cells:
         return np.searchsorted(self.owner, np.arange(len(self.sites) + 1)).astype(np.int64)
 
     @cached_property
+    def areas(self) -> Array:
+        """The area of each site's cell, (n,) mm^2."""
+        return np.asarray(np.bincount(self.owner, self.rings.areas, len(self.sites)), np.float64)
+
+    @cached_property
     def borders(self) -> tuple[Index, Array]:
         """Sites i < j and the straight lines on the canvas between their cells, before parts are handed over: (e, 2), (e, 2, 2) mm."""
         if self.net is None or self.cut is None:

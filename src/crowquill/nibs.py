@@ -81,7 +81,7 @@ def inked(
     yield Step("measure", 0, 1)
     ink = measure.ink(every.take(stay))
     clock.lap("measure")
-    told = found(plan, len(sites), int(stay.sum()), ink)
+    told = found(plan, int(stay.sum()), ink)
     told["warnings"] += facts.pop("warnings", []) + (_enlarged(batches) if nibs.asked else [])
     report = {
         **told,

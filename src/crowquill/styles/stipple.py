@@ -71,5 +71,7 @@ def draw(
         plan.demand, plan.dots, chance[0], clock, start=start, iterations=iterations, until=until, step=step,
         exponent=exponent, banned=plan.white if white_rule == "before" else None,
     )  # fmt: skip
-    sheet: Sheet = yield from inked(state, plan, tone, nibs, chance[1:], clock)
+    off = len(state.sites) != plan.dots
+    said = [f"this start gave {len(state.sites)} dots in place of {plan.dots}; --start even gives any number"] if off else []
+    sheet: Sheet = yield from inked(state, plan, tone, nibs, chance[1:], clock, warnings=said)
     return sheet
