@@ -88,7 +88,7 @@ def equal(sites: npt.ArrayLike, tone: Tone, weights: Array | None = None, *, unt
     return now
 
 
-def relaxed(sites: npt.ArrayLike, tone: Tone, *, step: float = 1.5, banned: npt.NDArray[np.bool_] | None = None) -> Iterator[State]:
+def relaxed(sites: npt.ArrayLike, tone: Tone, *, step: float = 1.3, banned: npt.NDArray[np.bool_] | None = None) -> Iterator[State]:
     """States of sites that hold the same ink within 3 % and go `step` times the way to its centroid, without end; first as given.
 
     A site that would leave the canvas or land on a banned pixel (h, w) goes to the centroid, or else stays.

@@ -12,7 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from crowquill import finishing, formats, layout, plotting, recipe, stippling, styles, units
+from crowquill import finishing, formats, layout, nibs, plotting, recipe, stippling, styles, units
 from crowquill.finishing import Finish
 from crowquill.marks import Marks
 from crowquill.recipe import PICTURE, Recipe, Source
@@ -77,7 +77,7 @@ def _widest(wanted: Recipe, tone: Tone) -> float:
         return 2 * math.sqrt(tone.ink / knobs["dots"] / math.pi)  # on average
     pen = knobs["pen"] or getattr(module, "PEN", stippling.PEN)
     by_tone = "tone" in (knobs.get("size_by"), knobs.get("width_by"))
-    return float(pen * (getattr(module, "SPAN", (1.0, 1.0))[1] if by_tone else 1))
+    return float(pen * (getattr(module, "SPAN", nibs.SPAN)[1] if by_tone else 1))
 
 
 def _named_for(sheet: Sheet, pen: float | None) -> Sheet:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +16,7 @@ from crowquill import glyphs as libraries
 from crowquill import hilbert, measure, moments, relax
 from crowquill.delaunay import triangulated
 from crowquill.kernel import compiled
+from crowquill.knobs import Choice, Numbers, Range, Text
 from crowquill.marks import Marks
 from crowquill.paths import Array, Index
 from crowquill.sheet import Ink, Layer, Sheet, Step
@@ -27,6 +28,16 @@ ENLARGED = (0.8, 1.25)  # of their own size, beyond which dots no longer look li
 FULL = 0.9  # of the paper that circles fill when they hardly meet: equal ones at best 0.907
 ROUNDS = 30  # of pushing; measured on mixes of two nibs, more brought nothing
 MIXED = 0.2  # of the way between two nibs' areas in which chance decides; with 0.5 single large dots stood among small ones
+
+# knobs that all styles of dots have
+Pen = Annotated[float | None, Range(0.01, 50, "mm", "dot diameter; decides the number of dots (0.3mm)")]
+Dots = Annotated[int | None, Range(1, 100_000_000, "", "number of dots; decides their diameter")]
+Sizes = Annotated[tuple[float, ...] | None, Numbers(0.01, 50, "mm", "several nibs, small in the lights: 0.2mm,0.3mm,0.5mm")]
+SizeBy = Annotated[str, Choice(("pen", "tone"), "dots as wide as pens, or by tone, 0.6 to 1.6 times the pen or between sizes")]
+Glyphs = Annotated[str | None, Text("library of dots: a name, or an SVG file (the nib nearest to the pen)", file=True)]
+White = Annotated[float, Range(0, 1, "", "no dots where coverage is below")]
+MinGap = Annotated[float, Range(0, 100, "mm", "least white between dots; nearer ones are left out")]
+MaxDots = Annotated[int, Range(1, 100_000_000, "", "refuse to draw more")]
 
 
 @dataclass(frozen=True)

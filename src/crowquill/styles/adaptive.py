@@ -12,8 +12,8 @@ from typing import Annotated, Any
 import numpy as np
 
 from crowquill import relax, splitting
-from crowquill.knobs import Choice, Numbers, Range, Text
-from crowquill.nibs import Nibs, inked
+from crowquill.knobs import Choice, Range
+from crowquill.nibs import Glyphs, MaxDots, MinGap, Nibs, Pen, SizeBy, Sizes, White, inked
 from crowquill.sheet import Sheet, Step
 from crowquill.stippling import Clock, expected_seconds, planned, watched
 from crowquill.styles import Work
@@ -27,18 +27,15 @@ def draw(
     tone: Tone,
     rng: np.random.Generator,
     *,
-    pen: Annotated[float | None, Range(0.01, 50, "mm", "dot diameter (0.3mm)")] = None,
-    sizes: Annotated[tuple[float, ...] | None, Numbers(0.01, 50, "mm", "several nibs, small in the lights: 0.2mm,0.3mm,0.5mm")] = None,
-    size_by: Annotated[
-        str,
-        Choice(("pen", "tone"), "dots as wide as pens, or by tone, 0.6 to 1.6 times the pen or between sizes"),
-    ] = "pen",
-    glyphs: Annotated[str | None, Text("library of dots: a name, or an SVG file (the nib nearest to the pen)", file=True)] = None,
+    pen: Pen = None,
+    sizes: Sizes = None,
+    size_by: SizeBy = "pen",
+    glyphs: Glyphs = None,
     schedule: Annotated[str, Choice(("exact", "published"), "the number exact, or the paper's own rule, a quarter too many")] = "exact",
     iterations: Annotated[int | None, Range(0, 1000, "", "most steps of parting and moving (16; 50 as published)")] = None,
-    white: Annotated[float, Range(0, 1, "", "no dots where coverage is below")] = 0.02,
-    min_gap: Annotated[float, Range(0, 100, "mm", "least white between dots; nearer ones are left out")] = 0.0,
-    max_dots: Annotated[int, Range(1, 100_000_000, "", "refuse to draw more")] = 2_000_000,
+    white: White = 0.02,
+    min_gap: MinGap = 0.0,
+    max_dots: MaxDots = 2_000_000,
 ) -> Work:
     """A sheet the tone's size with a layer of black dots for each nib; the centre of none on white or outside the canvas.
 
@@ -49,9 +46,7 @@ def draw(
     """
     clock, exact = Clock(), schedule == "exact"
     nibs = Nibs.of(pen, glyphs, sizes=sizes, size_by=size_by)
-    plan = planned(
-        tone, pen=nibs.pen, dots=None, span=nibs.span, white=white, white_rule="before", min_gap=min_gap, max_dots=max_dots
-    )  # fmt: skip
+    plan = planned(tone, pen=nibs.pen, dots=None, span=nibs.span, white=white, white_rule="before", min_gap=min_gap, max_dots=max_dots)
     most = iterations if iterations is not None else ITERATIONS if exact else PUBLISHED
     yield Step("plan", 0, 1, {"dots": plan.dots, "pen_mm": plan.pen, "seconds": expected_seconds(plan.dots, most)})
     chance = rng.spawn(4)
@@ -64,5 +59,5 @@ def draw(
     state = yield from watched(states, most, clock)
     off = len(state.sites) != plan.dots
     said = [f"the schedule gave {len(state.sites)} dots in place of {plan.dots}; --schedule exact gives the number"] if off else []
-    sheet: Sheet = yield from inked(state, plan, tone, nibs, chance[2:], clock, dots_asked=plan.dots, warnings=said)
+    sheet: Sheet = yield from inked(state, plan, tone, nibs, chance[2:], clock, warnings=said)
     return sheet

@@ -14,8 +14,8 @@ from typing import Annotated
 import numpy as np
 
 from crowquill import capacity, relax
-from crowquill.knobs import Range, Text
-from crowquill.nibs import Nibs, inked
+from crowquill.knobs import Range
+from crowquill.nibs import Dots, Glyphs, MaxDots, MinGap, Nibs, Pen, White, inked
 from crowquill.paths import Array
 from crowquill.sheet import Sheet, Step
 from crowquill.stippling import Clock, Plan, expected_seconds, planned, settled, snapped, watched
@@ -24,20 +24,20 @@ from crowquill.tone import Tone
 
 EITHER = ("pen", "dots")  # of which one is enough: who types one means to do without what a recipe has of the other
 FIRST = 9  # steps of Lloyd's relaxation: cheap, and the darks, where dots overlap, need them
-SHAKEN = 0.8  # of the white between dots; measured: less leaves more hexagons in the lights, more costs evenness
+SHAKEN = 1.0  # of the white between dots; measured: less leaves more hexagons in the lights, more costs evenness
 
 
 def draw(
     tone: Tone,
     rng: np.random.Generator,
     *,
-    pen: Annotated[float | None, Range(0.01, 50, "mm", "dot diameter; decides the number of dots (0.3mm)")] = None,
-    dots: Annotated[int | None, Range(1, 100_000_000, "", "number of dots; decides their diameter")] = None,
-    glyphs: Annotated[str | None, Text("library of dots: a name, or an SVG file (the nib nearest to the pen)", file=True)] = None,
+    pen: Pen = None,
+    dots: Dots = None,
+    glyphs: Glyphs = None,
     iterations: Annotated[int, Range(0, 1000, "", "steps to the middles of equal shares; many end in lattices")] = 4,
-    white: Annotated[float, Range(0, 1, "", "no dots where coverage is below")] = 0.02,
-    min_gap: Annotated[float, Range(0, 100, "mm", "least white between dots; nearer ones are left out")] = 0.0,
-    max_dots: Annotated[int, Range(1, 100_000_000, "", "refuse to draw more")] = 2_000_000,
+    white: White = 0.02,
+    min_gap: MinGap = 0.0,
+    max_dots: MaxDots = 2_000_000,
 ) -> Work:
     """A sheet the tone's size with a layer of black dots; the centre of none on white or outside the canvas.
 
@@ -48,10 +48,8 @@ def draw(
     """
     clock = Clock()
     nibs = Nibs.of(pen, glyphs, dots=dots)
-    plan = planned(
-        tone, pen=nibs.pen, dots=dots, white=white, white_rule="before", min_gap=min_gap, max_dots=max_dots
-    )  # fmt: skip
-    yield Step("plan", 0, 1, {"dots": plan.dots, "pen_mm": plan.pen, "seconds": expected_seconds(plan.dots, FIRST + 10 * iterations)})
+    plan = planned(tone, pen=nibs.pen, dots=dots, white=white, white_rule="before", min_gap=min_gap, max_dots=max_dots)
+    yield Step("plan", 0, 1, {"dots": plan.dots, "pen_mm": plan.pen, "seconds": expected_seconds(plan.dots, FIRST + 25 * iterations)})
     chance = rng.spawn(4)
     first = yield from settled(plan.demand, plan.dots, chance[0], clock, start="even", iterations=FIRST, banned=plan.white)
     sites = _shaken(first, plan, chance[1]) if iterations else first.sites

@@ -13,8 +13,8 @@ from typing import Annotated
 import numpy as np
 
 from crowquill import relax
-from crowquill.knobs import Choice, Numbers, Range, Text
-from crowquill.nibs import Nibs, inked
+from crowquill.knobs import Choice, Range
+from crowquill.nibs import Dots, Glyphs, MaxDots, MinGap, Nibs, Pen, SizeBy, Sizes, White, inked
 from crowquill.sheet import Sheet, Step
 from crowquill.stippling import Clock, expected_seconds, planned, settled
 from crowquill.styles import Work
@@ -27,23 +27,20 @@ def draw(
     tone: Tone,
     rng: np.random.Generator,
     *,
-    pen: Annotated[float | None, Range(0.01, 50, "mm", "dot diameter; decides the number of dots (0.3mm)")] = None,
-    dots: Annotated[int | None, Range(1, 100_000_000, "", "number of dots; decides their diameter")] = None,
-    sizes: Annotated[tuple[float, ...] | None, Numbers(0.01, 50, "mm", "several nibs, small in the lights: 0.2mm,0.3mm,0.5mm")] = None,
-    size_by: Annotated[
-        str,
-        Choice(("pen", "tone"), "dots as wide as pens, or by tone, 0.6 to 1.6 times the pen or between sizes"),
-    ] = "pen",
-    glyphs: Annotated[str | None, Text("library of dots: a name, or an SVG file (the nib nearest to the pen)", file=True)] = None,
+    pen: Pen = None,
+    dots: Dots = None,
+    sizes: Sizes = None,
+    size_by: SizeBy = "pen",
+    glyphs: Glyphs = None,
     iterations: Annotated[int, Range(0, 100_000, "", "most relaxation steps")] = 30,
     until: Annotated[float, Range(0, 1, "", "stop when dots move less, in spacings; 0 never")] = 0.0,
     step: Annotated[float, Range(0.01, 1.99, "", "how far dots move to their centroids")] = 1.8,
     exponent: Annotated[float, Range(0, 4, "", "cells weigh coverage to this power; 2 keeps tone")] = 2.0,
     start: Annotated[str, Choice(relax.STARTS, "where dots begin")] = "even",
-    white: Annotated[float, Range(0, 1, "", "no dots where coverage is below")] = 0.02,
+    white: White = 0.02,
     white_rule: Annotated[str, Choice(("before", "after"), "never place dots on white, or remove them at the end")] = "before",
-    min_gap: Annotated[float, Range(0, 100, "mm", "least white between dots; nearer ones are left out")] = 0.0,
-    max_dots: Annotated[int, Range(1, 100_000_000, "", "refuse to draw more")] = 2_000_000,
+    min_gap: MinGap = 0.0,
+    max_dots: MaxDots = 2_000_000,
 ) -> Work:
     """A sheet the tone's size with a layer of black dots for each nib; the centre of none on white or outside the canvas.
 
@@ -62,9 +59,7 @@ def draw(
     """
     clock = Clock()
     nibs = Nibs.of(pen, glyphs, sizes=sizes, size_by=size_by, dots=dots)
-    plan = planned(
-        tone, pen=nibs.pen, dots=dots, span=nibs.span, white=white, white_rule=white_rule, min_gap=min_gap, max_dots=max_dots
-    )  # fmt: skip
+    plan = planned(tone, pen=nibs.pen, dots=dots, span=nibs.span, white=white, white_rule=white_rule, min_gap=min_gap, max_dots=max_dots)
     yield Step("plan", 0, 1, {"dots": plan.dots, "pen_mm": plan.pen, "seconds": expected_seconds(plan.dots, iterations)})
     chance = rng.spawn(3)
     state = yield from settled(
