@@ -23,7 +23,8 @@ EQUAL = 1e-6  # of the mean: no cell's ink is off by more
 NEARLY = 0.03  # of the mean will do while sites still move
 ROUNDS = 60  # of Newton's method; 3 to 8 are enough where ink hangs together, some 30 were where it lies in islands
 HALVED = 40  # times, at most, that a step is halved
-TINY = np.finfo(float).tiny
+
+WHITE = 1e-3  # of the mean coverage is reckoned with on white borders, so that islands are tied to their neighbours: half the work
 LEAST = 0.02  # of the mean: weights of sites that have moved are given up where they leave a cell less
 
 
@@ -127,11 +128,14 @@ def _solved(now: Shares, tone: Tone) -> Array:
     from scipy.sparse.linalg import splu
 
     n, ((i, j), lines) = len(now.sites), (now.cells.borders[0].T, now.cells.borders[1])
-    flow = moments.along(tone, lines) / (2 * np.hypot(*(now.sites[i] - now.sites[j]).T))
+    ink, even = moments.along(tone, lines), tone.ink / shapely.area(tone.canvas)
+    ink = np.where(ink > 0, ink, WHITE * even * np.hypot(*(lines[:, 1] - lines[:, 0]).T))
+    flow = ink / (2 * np.hypot(*(now.sites[i] - now.sites[j]).T))
     own = np.bincount(i, flow, n) + np.bincount(j, flow, n)
-    own += 1e-9 * own.mean() + TINY  # all weights of an island rising together change nothing: of such changes the least is taken
+    own += 1e-9 * (own.mean() + even)  # all weights of an island rising together change nothing: of such changes the least is taken
     each = np.arange(n)
     rows, columns = np.concatenate([i, j, each]), np.concatenate([j, i, each])
     table = coo_matrix((np.concatenate([-flow, -flow, own]), (rows, columns)), shape=(n, n)).tocsc()
     # the matrix is symmetric and its diagonal outweighs the rest: no pivots are sought, and so the answer is the same everywhere
-    return np.asarray(splu(table, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve(now.short))
+    way = splu(table, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve(now.short)
+    return np.where(now.cells.areas > 0, way, 0.0)  # a second one of coincident sites has no cell, whatever its weight

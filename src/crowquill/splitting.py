@@ -36,7 +36,7 @@ def divided(
     rng: np.random.Generator,
     *,
     band: tuple[float, float] = (0.5, 0.05),
-    step: float = 1.5,
+    step: float = 1.8,
     exponent: float = 2.0,
     exact: bool = True,
     banned: npt.NDArray[np.bool_] | None = None,
@@ -48,7 +48,7 @@ def divided(
     band      how far cells may be off: half of it, in shares, either way; and by how much it widens a step
     exact     of those over the band and under it as many part and go as make the number right, and states have no end. Without it
               all do until none is left, which is the published rule: from one site on with a band of (0.6, 0.01), step 1 and
-              exponent 1 it ends with a quarter too many
+              exponent 1. Cells of two thirds of a share stay, and so it ends with up to a third too many
     exponent  sites move by coverage to this power, as in relax.lloyd; so do step and banned
 
     Raises ValueError for a share that is not over 0.

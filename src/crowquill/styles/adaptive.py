@@ -20,7 +20,7 @@ from crowquill.styles import Work
 from crowquill.tone import Tone
 
 EITHER = ("pen", "sizes")  # of which one is enough: who types one means to do without what a recipe has of the other
-ITERATIONS, PUBLISHED = 16, 50
+ITERATIONS, PUBLISHED = 20, 50
 
 
 def draw(
@@ -31,8 +31,8 @@ def draw(
     sizes: Sizes = None,
     size_by: SizeBy = "pen",
     glyphs: Glyphs = None,
-    schedule: Annotated[str, Choice(("exact", "published"), "the number exact, or the paper's own rule, a quarter too many")] = "exact",
-    iterations: Annotated[int | None, Range(0, 1000, "", "most steps of parting and moving (16; 50 as published)")] = None,
+    schedule: Annotated[str, Choice(("exact", "published"), "the number exact, or the paper's own rule, often too many")] = "exact",
+    iterations: Annotated[int | None, Range(0, 1000, "", "most steps of parting and moving (20; 50 as published)")] = None,
     white: White = 0.02,
     min_gap: MinGap = 0.0,
     max_dots: MaxDots = 2_000_000,
@@ -40,9 +40,9 @@ def draw(
     """A sheet the tone's size with a layer of black dots for each nib; the centre of none on white or outside the canvas.
 
     pen, sizes, size_by  as in stipple; so are ink, importance, min_gap, white paper and what is raised
-    schedule             "exact": from equal shares of ink on, and as many part as go; "published": from one dot on, to the end or
-                         rest. That leaves more ink than is asked for, because cells may be a third short before they go: the
-                         report says how many dots would have been right
+    schedule             "exact": from equal shares of ink on, and as many part as go; "published": from one dot on, until none
+                         parts or goes. Dots stay whose cells hold two thirds of their ink, and so there may be a third too many:
+                         a warning says how many would be right
     """
     clock, exact = Clock(), schedule == "exact"
     nibs = Nibs.of(pen, glyphs, sizes=sizes, size_by=size_by)
