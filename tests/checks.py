@@ -105,6 +105,15 @@ def check_nearest(cells: Cells) -> None:
     assert worst <= rounding(cells), f"a corner is {worst} mm nearer to another site than to its own"
 
 
+def check_least_power(cells: Cells, weights: Array) -> None:
+    """At a cell's corner no site has a smaller squared distance, less its weight, than the cell's own."""
+    own = cells.owner[cells.rings.path]
+    powers = ((cells.rings.xy[:, None] - cells.sites) ** 2).sum(axis=2) - weights
+    worst = (powers[np.arange(len(own)), own] - powers.min(axis=1, initial=np.inf)).max(initial=0.0)
+    # a place off by the rounding is off by twice that times its distance to the furthest site in power
+    assert worst <= 2 * rounding(cells) * extent(cells), f"a corner has {worst} mm2 less power to another site than to its own"
+
+
 def check_shared_edges(cells: Cells) -> None:
     """Each side of a cell that the canvas's outline does not touch is, bit for bit, another cell's side walked back."""
     rings = cells.rings

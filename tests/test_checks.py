@@ -12,6 +12,7 @@ from checks import (
     check_handed_over,
     check_homes,
     check_in_canvas,
+    check_least_power,
     check_moments,
     check_nearest,
     check_owners,
@@ -108,6 +109,14 @@ def test_spoiled_paths_are_found(paths: Paths, words: str) -> None:
 def test_spoiled_cells_are_found(check, cells: Cells, words: str) -> None:
     with pytest.raises(AssertionError, match=words):
         check(cells)
+
+
+def test_a_corner_of_less_power_to_another_site_is_found() -> None:
+    check_least_power(CELLS, np.zeros(40))
+    with pytest.raises(AssertionError, match="less power to another site"):
+        check_least_power(CELLS, 1e-6 * (np.arange(40) == 7))
+    with pytest.raises(AssertionError, match="less power to another site"):
+        check_least_power(shifted(CELLS, inner_point(CELLS), 1e-6), np.zeros(40))
 
 
 def test_a_cell_on_two_islands_is_found() -> None:

@@ -21,8 +21,9 @@ units kernel
 knobs
 paths
 heap
-hilbert halftone vector picture delaunay lettering marks hatching
-light frontier
+hilbert halftone exact vector picture lettering marks hatching
+regular
+light delaunay frontier
 tone tracing sheet curves
 cells glyphs raster forme scale plotforms greydots printable
 trimming plots
@@ -31,8 +32,9 @@ spectrum quadrature texture likeness inertia tiles
 spacing objects parting tesserae
 settling shapes
 relax route
+capacity splitting
 stippling screening laying inkdots exemplar
-aligned contrast
+aligned contrast nibs
 plotting finishing
 styles formats
 recipe seen calibration

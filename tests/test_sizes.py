@@ -13,8 +13,8 @@ import shapely
 from scipy.spatial import cKDTree
 
 import crowquill
-from crowquill import Marks, Sheet, Tone, glyphs, measure, stippling
-from crowquill.styles.stipple import _eased, _followed, _handed_out
+from crowquill import Marks, Sheet, Tone, glyphs, measure
+from crowquill.nibs import _eased, _followed, _handed_out
 
 Array = npt.NDArray[np.float64]
 NIBS = (0.2, 0.3, 0.5)
@@ -37,7 +37,7 @@ def stipple(tone: Tone, **knobs: Any) -> Sheet:
 
 
 def dots(sheet: Sheet) -> Marks:
-    return stippling.together([layer.art for layer in sheet.layers])
+    return marks.together([layer.art for layer in sheet.layers])
 
 
 def diameters(marks: Marks) -> Array:

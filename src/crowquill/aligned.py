@@ -241,7 +241,7 @@ def told(parts: Sequence[Laid], asked: float, ink: float, rows: Rows, clock: Clo
     count, scales = sum(len(state.sites) for state in states), np.concatenate([part.marks.scale for part in parts])
     pen = 2 * float(np.sqrt((scales**2).mean() / np.pi)) if len(scales) else first.pen
     return {
-        **found(replace(first, dots=sum(part.plan.dots for part in parts), ink=asked, pen=pen), count, len(scales), ink),
+        **found(replace(first, dots=sum(part.plan.dots for part in parts), ink=asked, pen=pen), len(scales), ink),
         "left_out": count - len(scales),
         "rows_mm": rows.pitch,
         "rows_off": max(parts, key=lambda part: len(part.marks)).off,

@@ -1,4 +1,4 @@
-"""Cells: the exact partition of a canvas among sites, in the sites' order, clipped with shapely."""
+"""Cells: the exact partition of a canvas among sites, by distance or by power, in the sites' order, clipped with shapely."""
 
 from __future__ import annotations
 
@@ -35,6 +35,7 @@ class Cells:
     owner: Index
     canvas: shapely.Geometry
     net: Net | None = field(repr=False, default=None)
+    cut: npt.NDArray[np.bool_] | None = field(repr=False, default=None)
 
     @cached_property
     def first(self) -> Index:
@@ -42,17 +43,30 @@ class Cells:
         return np.searchsorted(self.owner, np.arange(len(self.sites) + 1)).astype(np.int64)
 
     @cached_property
-    def pairs(self) -> Index:
-        """Sites i < j between whose cells an edge runs on the canvas, before parts are handed over: (e, 2), sorted."""
-        if self.net is None:
-            return np.zeros((0, 2), np.int64)
+    def areas(self) -> Array:
+        """The area of each site's cell, (n,) mm^2."""
+        return np.asarray(np.bincount(self.owner, self.rings.areas, len(self.sites)), np.float64)
+
+    @cached_property
+    def borders(self) -> tuple[Index, Array]:
+        """Sites i < j and the straight lines on the canvas between their cells, before parts are handed over: (e, 2), (e, 2, 2) mm."""
+        if self.net is None or self.cut is None:
+            return np.zeros((0, 2), np.int64), np.zeros((0, 2, 2))
         sites, edges = self.net.edges
         length = np.hypot(*(edges[:, 0] - edges[:, 1]).T)
         real = length > 1e-12 * _reach(self.sites, self.canvas)[1]  # cocircular sites meet in a point, not an edge
-        sites, edges = sites[real], edges[real]
-        meet = shapely.intersects(self.canvas, shapely.linestrings(edges))
-        found = np.sort(sites[meet], axis=1)
-        return found[np.lexsort((found[:, 1], found[:, 0]))]
+        sites, edges = np.sort(sites[real], axis=1), edges[real]
+        cut = self.cut[sites].all(axis=1)
+        lines, line = shapely.get_parts(shapely.intersection(shapely.linestrings(edges[cut]), self.canvas), return_index=True)
+        xy, part = shapely.get_coordinates(lines, return_index=True)
+        same = part[1:] == part[:-1]
+        pieces = np.stack([xy[:-1][same], xy[1:][same]], axis=1)
+        return np.concatenate([sites[~cut], sites[cut][line[part[1:][same]]]]), np.concatenate([edges[~cut], pieces])
+
+    @cached_property
+    def pairs(self) -> Index:
+        """Sites i < j between whose cells an edge runs on the canvas, before parts are handed over: (e, 2), sorted."""
+        return np.unique(self.borders[0], axis=0)
 
 
 def voronoi(sites: npt.ArrayLike, canvas: shapely.Geometry) -> Cells:
@@ -65,12 +79,32 @@ def voronoi(sites: npt.ArrayLike, canvas: shapely.Geometry) -> Cells:
 
     Source: F. Aurenhammer, Voronoi Diagrams, ACM Computing Surveys 23(3), 1991.
     """
+    return _partition(sites, None, canvas, True)
+
+
+def power(sites: npt.ArrayLike, weights: npt.ArrayLike, canvas: shapely.Geometry, *, joined: bool = True) -> Cells:
+    """The power cells of sites (n, 2) mm with weights (n,) mm^2: of each place its squared distances, less the weights, are compared.
+
+    With equal weights they are the Voronoi cells. A site need not lie in its cell, and has none where heavier ones leave it
+    no place; of coincident sites the heaviest has the cell, or the first. Else all is as in voronoi().
+
+    joined  parts of a cell that the canvas cuts off are handed over, to the site of least power of those they touch; without it
+            each place is the one's with the least power, be its cell in many parts
+
+    Raises ValueError for sites or weights that are not finite, and for more or fewer weights than sites.
+    Source: F. Aurenhammer, Power Diagrams, SIAM Journal on Computing 16(1), 1987.
+    """
+    sites = np.asarray(sites, np.float64)
+    return _partition(sites, frozen(weights, np.float64, (len(sites),), "weights"), canvas, joined)
+
+
+def _partition(sites: npt.ArrayLike, weights: Array | None, canvas: shapely.Geometry, joined: bool) -> Cells:
     sites = frozen(sites, np.float64, (None, 2), "sites")
     if not len(sites):
         none = np.zeros(0, np.int64)
-        return Cells(sites, Paths.of([]), none, canvas, None)
-    net = triangulated(sites, *_reach(sites, canvas))
-    return _clipped(sites, net, net.rings(), canvas)
+        return Cells(sites, Paths.of([]), none, canvas)
+    net = triangulated(sites, *_reach(sites, canvas), weights)
+    return _clipped(sites, np.zeros(len(sites)) if weights is None else weights, net, canvas, joined)
 
 
 def _reach(sites: Array, canvas: shapely.Geometry) -> tuple[Array, float]:
@@ -81,25 +115,28 @@ def _reach(sites: Array, canvas: shapely.Geometry) -> tuple[Array, float]:
     return (low + high) / 2, float(np.hypot(*(high - low))) / 2
 
 
-def _clipped(sites: Array, net: Net, rings: Paths, canvas: shapely.Geometry) -> Cells:
+def _clipped(sites: Array, weights: Array, net: Net, canvas: shapely.Geometry, joined: bool) -> Cells:
     """The cells on the canvas: only those that its outline may cut are handed to shapely."""
-    unique = net.unique
-    cut = np.flatnonzero(_may_be_cut(rings, canvas, sites[unique]))
+    unique, rings = net.unique, net.rings()
+    may = _may_be_cut(rings, canvas)
+    cut = np.flatnonzero(may)
     polygons = rings.take(cut).polygons()
     sound = shapely.is_valid(polygons)
     polygons[~sound] = shapely.convex_hull(polygons[~sound])  # a cell is convex: only rounding can have crossed it
     pieces, cell = shapely.get_parts(_inside(polygons, canvas), return_index=True)
     areal = shapely.area(pieces) > 0
     pieces, cell = pieces[areal], cut[cell[areal]]
-    if len(np.unique(cell)) < len(cell):
-        cell = _handed_over(pieces, cell, sites[unique], rings, cut, net)
+    if joined and len(np.unique(cell)) < len(cell):
+        cell = _handed_over(pieces, cell, sites[unique], weights[unique], rings, cut, net)
     clipped, piece = Paths.of_polygons(pieces)
     whole = np.setdiff1d(np.arange(len(unique)), cut, assume_unique=True)
     owner = np.concatenate([whole, cell[piece]])
     every = Paths(np.concatenate([rings.xy, clipped.xy]), np.concatenate([rings.start, clipped.start[1:] + len(rings.xy)]))
     order = np.argsort(owner, kind="stable")
     source = np.concatenate([whole, np.arange(len(rings), len(every))])[order]
-    return Cells(sites, every.take(source), unique[owner[order]], canvas, net)
+    outer = np.zeros(len(sites), bool)
+    outer[unique] = may
+    return Cells(sites, every.take(source), unique[owner[order]], canvas, net, outer)
 
 
 def _inside(polygons: npt.NDArray[np.object_], canvas: shapely.Geometry) -> npt.NDArray[np.object_]:
@@ -122,13 +159,13 @@ def _inside(polygons: npt.NDArray[np.object_], canvas: shapely.Geometry) -> npt.
     return np.asarray(shapely.intersection(polygons, shapely.intersection(rooms, canvas)[tile]))
 
 
-def _may_be_cut(rings: Paths, canvas: shapely.Geometry, sites: Array) -> npt.NDArray[np.bool_]:
+def _may_be_cut(rings: Paths, canvas: shapely.Geometry) -> npt.NDArray[np.bool_]:
     """Whether a cell may not lie in the canvas whole.
 
-    Either its box touches a square of a grid, half a spacing wide, that the canvas's outline touches, or its site
+    Either its box touches a square of a grid, half a spacing wide, that the canvas's outline touches, or its first corner
     lies outside, and all of the cell with it.
     """
-    n = len(sites)
+    n = len(rings)
     low, high = np.array(shapely.bounds(canvas)).reshape(2, 2)
     spacing = np.sqrt(np.prod(high - low) / n)
     grid = np.maximum(1, np.ceil(2 * (high - low) / spacing)).astype(np.int64)
@@ -144,7 +181,7 @@ def _may_be_cut(rings: Paths, canvas: shapely.Geometry, sites: Array) -> npt.NDA
     cut = np.asarray(inside > 0) | (lower < low).any(axis=1) | (upper > high).any(axis=1)
     if shapely.area(canvas) < np.prod(high - low):
         shapely.prepare(canvas)
-        cut |= ~shapely.contains_xy(canvas, sites)
+        cut |= ~shapely.contains_xy(canvas, rings.xy[rings.start[:-1]])
     return cut
 
 
@@ -159,7 +196,7 @@ def _boxes(xy: Array, start: Index, lower: Array, upper: Array) -> None:
             lower[ring, axis], upper[ring, axis] = low, high
 
 
-def _handed_over(pieces: npt.NDArray[np.object_], cell: Index, sites: Array, rings: Paths, cut: Index, net: Net) -> Index:
+def _handed_over(pieces: npt.NDArray[np.object_], cell: Index, sites: Array, weights: Array, rings: Paths, cut: Index, net: Net) -> Index:
     """The owner of each piece: of each cell the one nearest its site stays, the rest go to the nearest site of those they touch.
 
     A piece may touch one that has itself been handed over: rounds are made until nothing changes, all of a round at
@@ -185,9 +222,10 @@ def _handed_over(pieces: npt.NDArray[np.object_], cell: Index, sites: Array, rin
         for k in waiting.tolist():
             others = [m for i in (*beside[of[k]], of[k]) for m in members.get(int(i), []) if owner[m] >= 0]
             others = [m for m in others if not (own[m] and of[m] == of[k])]  # what it was cut off from
-            touched = [m for m, near in zip(others, shapely.dwithin(shapes[others], shapes[k], tolerance), strict=True) if near]
-            if touched:
-                found[k] = min((shapely.distance(points[owner[m]], shapes[k]), int(owner[m])) for m in touched)[1]
+            close = shapely.dwithin(shapes[others], shapes[k], tolerance)
+            near = {int(owner[m]) for m, beside_it in zip(others, close, strict=True) if beside_it}
+            if near:
+                found[k] = min((shapely.distance(points[i], shapes[k]) ** 2 - weights[i], i) for i in near)[1]
         if not found:
             break
         owner[list(found)] = list(found.values())

@@ -1,4 +1,4 @@
-"""The Delaunay triangulation behind the cells, and its dual: centres of circles, fans of them around the sites."""
+"""The triangulation behind the cells, Delaunay's or by weights, and its dual: centres of circles, fans of them around the sites."""
 
 from __future__ import annotations
 
@@ -9,15 +9,17 @@ from typing import Any
 import numpy as np
 import pythoncdt
 
+from crowquill import regular
 from crowquill.kernel import compiled
 from crowquill.paths import Array, Index, Paths
 
 SUPER = 3  # vertices of its own that the triangulation counts first
+LEAST = 5  # squares of the reach: a weight so far below the greatest has no place on the canvas left, which is two reaches wide
 
 
 @dataclass(frozen=True, eq=False)
 class Net:
-    """The triangulation behind the cells: vertices and neighbours (t, 3), the sites that differ, the circles' centres (t, 2)."""
+    """The triangulation behind the cells: vertices and neighbours (t, 3), the sites that have a cell, the circles' centres (t, 2)."""
 
     vertices: Any
     neighbours: Any
@@ -25,7 +27,7 @@ class Net:
     centres: Array
 
     def rings(self) -> Paths:
-        """The cell of each distinct site before any clipping: the centres around it, turning from x to y."""
+        """The cell of each site that has one before any clipping: the centres around it, turning from x to y."""
         start = np.zeros(len(self.unique) + 1, np.int64)
         around = np.empty(3 * len(self.vertices), np.int64)
         _fans(self.vertices, self.neighbours, len(self.unique), start, around)
@@ -40,25 +42,48 @@ class Net:
         return self.unique[table[:, :2]], self.centres[table[:, 2:]]
 
 
-def triangulated(sites: Array, middle: Array, reach: float) -> Net:
-    """The Delaunay triangulation of sites (n, 2) that lie, with the canvas, within `reach` of `middle`, mm.
+def triangulated(sites: Array, middle: Array, reach: float, weights: Array | None = None) -> Net:
+    """The triangulation of sites (n, 2) that lie, with the canvas, within `reach` of `middle`, mm: Delaunay's, or the regular one.
 
     Four far points are added. They stand off by more than the canvas is wide, so no place on the canvas is
     nearest to them, yet they close every cell: one site or a row of sites needs no rule of its own.
+
+    weights  (n,) mm^2, which are taken off squared distances; sites that no place on the canvas is left to may have no cell
     """
     far = middle + 8 * reach * np.array([[1.0, 0.1], [-0.1, 1.0], [-1.0, -0.1], [0.1, -1.0]])
+    if weights is None:
+        unique, vertices, neighbours = _distinct_delaunay(sites, far)
+        heavy = np.zeros(len(unique) + len(far))
+    else:
+        unique, vertices, neighbours, heavy = _weighted(sites, far, reach, weights)
+    points = np.concatenate([np.zeros((SUPER, 2)), sites[unique], far])
+    centres = np.empty((len(vertices), 2))
+    _circumcentres(points, np.append(np.zeros(SUPER), heavy), vertices, centres)
+    _gathered(points, vertices, neighbours, centres, reach)
+    return Net(vertices, neighbours, unique, centres)
+
+
+def _distinct_delaunay(sites: Array, far: Array) -> tuple[Index, Any, Any]:
+    """The first of each coincident sites, and vertices and neighbours of their triangles."""
     unique = np.arange(len(sites))
     try:
         table = _delaunay(np.concatenate([sites, far]))
     except RuntimeError:  # it refuses coincident points; finding them first would cost every call
         unique = np.sort(np.unique(sites + 0.0, axis=0, return_index=True)[1])
         table = _delaunay(np.concatenate([sites[unique], far]))
-    points = np.concatenate([np.zeros((SUPER, 2)), sites[unique], far])
-    vertices, neighbours = table["vertices"], table["neighbors"]
-    centres = np.empty((len(vertices), 2))
-    _circumcentres(points, vertices, centres)
-    _gathered(points, vertices, neighbours, centres, reach)
-    return Net(vertices, neighbours, unique, centres)
+    return unique, table["vertices"], table["neighbors"]
+
+
+def _weighted(sites: Array, far: Array, reach: float, weights: Array) -> tuple[Index, Index, Index, Array]:
+    """The sites that have a cell, of coincident ones the heaviest, their triangles, and their weights and the far points'."""
+    weights = np.maximum(weights, weights.max() - LEAST * reach**2)
+    order = np.lexsort((-weights, *(sites + 0.0).T))  # stable: of equal weights the first
+    new = np.append(True, (np.diff(sites[order], axis=0) != 0).any(axis=1))
+    unique = np.sort(order[new])
+    heavy = np.append(weights[unique], np.full(len(far), weights.min()))
+    vertices, neighbours = regular.triangulated(np.concatenate([sites[unique], far]), heavy)
+    seen = np.unique(vertices)
+    return unique[seen[: -len(far)]], np.searchsorted(seen, vertices) + SUPER, neighbours, heavy[seen]
 
 
 def _delaunay(points: Array) -> Any:
@@ -70,8 +95,8 @@ def _delaunay(points: Array) -> Any:
 
 
 @compiled
-def _circumcentres(points: Array, vertices: Any, centres: Array) -> None:
-    """The centre of each triangle's circle; triangles with a dummy get 0.
+def _circumcentres(points: Array, weights: Array, vertices: Any, centres: Array) -> None:
+    """The centre of each triangle's circle, of equal power to its corners; triangles with a dummy get 0.
 
     Reckoned from an end of the shortest side: two close corners differ exactly in floats, and
     a third far off would swamp that difference.
@@ -93,7 +118,7 @@ def _circumcentres(points: Array, vertices: Any, centres: Array) -> None:
         if twice == 0:  # too thin for floats: the middle of its longest reach stands in
             centres[t, 0], centres[t, 1] = x + cx / 2, y + cy / 2
             continue
-        bb, cc = bx * bx + by * by, cx * cx + cy * cy
+        bb, cc = bx * bx + by * by + (weights[a] - weights[b]), cx * cx + cy * cy + (weights[a] - weights[c])
         centres[t, 0], centres[t, 1] = x + (cy * bb - by * cc) / twice, y + (bx * cc - cx * bb) / twice
 
 
@@ -110,7 +135,7 @@ def _gathered(points: Array, vertices: Any, neighbours: Any, centres: Array, rea
             continue
         for k in range(3):
             u = np.int64(neighbours[t, k])
-            if u >= t or min(vertices[u, 0], vertices[u, 1], vertices[u, 2]) < SUPER:
+            if not 0 <= u < t or min(vertices[u, 0], vertices[u, 1], vertices[u, 2]) < SUPER:
                 continue
             corner, x, y = vertices[t, 0], centres[t, 0], centres[t, 1]
             radius = abs(x - points[corner, 0]) + abs(y - points[corner, 1])

@@ -16,11 +16,10 @@ import shapely
 
 from crowquill import field, measure, trimming, vector
 from crowquill.knobs import Range, Text
-from crowquill.marks import Marks
+from crowquill.marks import Marks, together
 from crowquill.paths import Paths
 from crowquill.scale import Bar, bar, of_pixel, parsed
 from crowquill.sheet import SPOT, Bitmap, Ink, Layer, Sheet
-from crowquill.stippling import together
 from crowquill.tone import Tone
 
 EDGES = "edges"  # in place of a file: lines are found in the picture

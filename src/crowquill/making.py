@@ -12,7 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from crowquill import finishing, formats, layout, plotting, recipe, stippling, styles, units
+from crowquill import finishing, formats, layout, nibs, plotting, recipe, stippling, styles, units
 from crowquill.finishing import Finish
 from crowquill.marks import Marks
 from crowquill.recipe import PICTURE, Recipe, Source
@@ -80,8 +80,10 @@ def _widest(wanted: Recipe, tone: Tone) -> float:
     if knobs["pen"] is None and knobs.get("dots") and "dots" in getattr(module, "EITHER", ()):
         return 2 * math.sqrt(tone.ink / knobs["dots"] / math.pi)  # on average
     pen = knobs["pen"] or getattr(module, "PEN", stippling.PEN)
-    by_tone = "tone" in (knobs.get("size_by"), knobs.get("width_by")) or not {"size_by", "width_by"} & set(knobs)
-    return float(pen * (getattr(module, "SPAN", (1.0, 1.0))[1] if by_tone else 1))
+    follows = [knobs[key] for key in ("size_by", "width_by") if key in knobs]
+    if not follows:
+        return float(pen * getattr(module, "SPAN", (1.0, 1.0))[1])
+    return float(pen * (getattr(module, "SPAN", nibs.SPAN)[1] if "tone" in follows else 1))
 
 
 def _named_for(sheet: Sheet, pen: float | None) -> Sheet:

@@ -145,6 +145,16 @@ class Marks:
         return Paths.of([glyph.paths.xy for glyph in self.glyphs], closed=closed, cubic=cubic)
 
 
+def together(parts: list[Marks]) -> Marks:
+    """All marks of several, in their order; of one, that one."""
+    first = np.cumsum([0, *(len(part.glyphs) for part in parts)])
+    if len(parts) == 1:
+        return parts[0]
+    xy, angle, scale = (np.concatenate([getattr(part, name) for part in parts]) for name in ("xy", "angle", "scale"))
+    glyph = np.concatenate([part.glyph + at for part, at in zip(parts, first, strict=False)])
+    return Marks(xy, angle, scale, glyph, tuple(glyph for part in parts for glyph in part.glyphs))
+
+
 def columns(xy: npt.ArrayLike, angle: npt.ArrayLike, scale: npt.ArrayLike, kind: npt.ArrayLike) -> tuple[Array, Array, Array, Index]:
     """Columns of things placed at xy (n, 2): angle, scale and kind, each one value for all or (n,)."""
     points = np.asarray(xy, np.float64).reshape(-1, 2)

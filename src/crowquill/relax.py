@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
 import shapely
 
 from crowquill import cells, hilbert, moments
+from crowquill.cells import Cells
 from crowquill.halftone import METHODS, halftoned
 from crowquill.halftone.averages import averaged
+from crowquill.moments import Moments
 from crowquill.paths import Array, Index, frozen
 from crowquill.settling import settle
 from crowquill.tone import Tone
@@ -34,10 +37,19 @@ class State:
 
     done: int
     sites: Array
-    cells: cells.Cells
-    moments: moments.Moments
+    cells: Cells
+    moments: Moments
     energy: float
     movement: float
+
+    @classmethod
+    def of(cls, done: int, sites: Array, parts: Cells, sums: Moments, **more: Any) -> Self:
+        """The state of sites with these cells and moments of the weight."""
+        way = sums.centroid - sites
+        spread = sums.covariance[:, 0, 0] + sums.covariance[:, 1, 1] + (way**2).sum(axis=1)
+        area = parts.areas
+        gone = np.hypot(*way.T) / np.sqrt(np.where(area > 0, area, np.inf))
+        return cls(done, sites, parts, sums, float((sums.mass * spread).sum()), float(gone.mean()) if len(gone) else 0.0, **more)
 
 
 Lead = Callable[[State], Array]
@@ -138,20 +150,21 @@ def measured(
     canvas = tone.canvas if canvas is None else canvas
     parts = cells.voronoi(sites, canvas)
     if (np.diff(parts.first) == 0).any():
-        sites = _parted(sites, parts, tone, banned)
+        sites = parted(sites, parts, tone, banned)
         parts = cells.voronoi(sites, canvas)
-    sums = moments.of_tone(parts, weight)
-    way = sums.centroid - sites
-    spread = sums.covariance[:, 0, 0] + sums.covariance[:, 1, 1] + (way**2).sum(axis=1)
-    area = np.bincount(parts.owner, parts.rings.areas, len(sites))
-    gone = np.hypot(*way.T) / np.sqrt(np.where(area > 0, area, np.inf))
-    return State(done, sites, parts, sums, float((sums.mass * spread).sum()), float(gone.mean()) if len(gone) else 0.0)
+    return State.of(done, sites, parts, moments.of_tone(parts, weight))
 
 
 def moved(state: State, tone: Tone, *, step: float = 1.8, banned: npt.NDArray[np.bool_] | None = None, lead: Lead | None = None) -> Array:
     """Where the sites of a state are a step later."""
-    target = state.sites + step * (state.moments.centroid - state.sites) if lead is None else lead(state)
-    for other in (state.moments.centroid, state.sites):
+    centroid, sites = state.moments.centroid, state.sites
+    return held(tone, banned, sites + step * (centroid - sites) if lead is None else lead(state), centroid, sites)
+
+
+def held(tone: Tone, banned: npt.NDArray[np.bool_] | None, *places: Array) -> Array:
+    """For each site the first of these places (n, 2) that may have one: in the canvas, on no banned pixel; or else the last."""
+    target = places[0]
+    for other in places[1:]:
         target = np.where(_may_hold(target, tone, banned)[:, None], target, other)
     return target
 
@@ -162,14 +175,14 @@ def _may_hold(sites: Array, tone: Tone, banned: npt.NDArray[np.bool_] | None) ->
     return good if banned is None else good & ~banned[tone.under(sites)]
 
 
-def _parted(sites: Array, parts: cells.Cells, tone: Tone, banned: npt.NDArray[np.bool_] | None) -> Array:
+def parted(sites: Array, parts: Cells, tone: Tone, banned: npt.NDArray[np.bool_] | None) -> Array:
     """Sites without a cell moved off their twins by a thousandth of the spacing, each its own way round."""
     spacing = np.sqrt(shapely.area(tone.canvas) / len(sites))
     lost = np.flatnonzero(np.diff(parts.first) == 0)
     turn = GOLDEN * lost
     moved = sites.copy()
     moved[lost] += 1e-3 * spacing * np.sqrt(1 + np.arange(len(lost)))[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    return np.where(_may_hold(moved, tone, banned)[:, None], moved, sites)
+    return held(tone, banned, moved, sites)
 
 
 def _placed(tone: Tone, pixel: Index, size: Array, rng: np.random.Generator) -> Array:

@@ -196,7 +196,7 @@ def whole(cells: Cells) -> npt.NDArray[np.bool_]:
     if cells.net is None:
         return found
     endless = cells.net.rings().areas
-    area = np.bincount(cells.owner, cells.rings.areas, len(cells.sites))[cells.net.unique]
+    area = cells.areas[cells.net.unique]
     found[cells.net.unique] = (np.diff(cells.first)[cells.net.unique] == 1) & (np.abs(area - endless) <= ALIKE * endless)
     return found
 
@@ -213,7 +213,7 @@ def evenness(cells: Cells, near: Array | None = None) -> float | None:
     if len(kept) == 0 or len(cells.sites) < 2:
         return None
     near = nearest(cells.sites) if near is None else near
-    area = np.bincount(cells.owner, cells.rings.areas, len(cells.sites))
+    area = cells.areas
     return float((near[kept] / np.sqrt(HEXAGONAL * area[kept])).mean())
 
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +24,9 @@ CAP = 0.97  # coverage that overlapping dots still reach with a fifth more ink t
 # the paper: below 0.6 they hardly touch. Written by tools/calibrate.py.
 NOMINAL = np.array([0.0, 0.2, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3, 1.4])
 RENDERED = np.array([0.0, 0.2001, 0.3999, 0.5005, 0.6001, 0.6975, 0.7843, 0.8576, 0.9136, 0.9505, 0.9739, 0.9879, 0.9946])
+
+
+Moving = TypeVar("Moving", bound=relax.State)
 
 
 @dataclass(frozen=True)
@@ -215,8 +218,14 @@ def settled(
     sites = relax.scatter(demand, dots, rng, start)
     yield Step("place", 1, 1, {"dots": len(sites)})
     clock.lap("place")
-    for state in relax.lloyd(sites, demand, step=step, exponent=exponent, banned=banned):
-        if not len(sites):
+    states = relax.lloyd(sites, demand, step=step, exponent=exponent, banned=banned)
+    return (yield from watched(states, iterations, clock, until=until))
+
+
+def watched(states: Iterator[Moving], iterations: int, clock: Clock, *, until: float = 0.0) -> Generator[Step, None, Moving]:
+    """Steps of states, so many of them, or until sites move less, or there are none; returns the last state."""
+    for state in states:
+        if not len(state.sites):
             break
         yield Step("relax", state.done, iterations, {"energy": state.energy, "movement": state.movement})
         if state.done >= iterations or state.movement < until:
@@ -261,16 +270,6 @@ def dotted(sites: Array, glyphs: tuple[Glyph, ...], diameter: float | Array, rng
     return Marks.of(sites, glyphs, scale=scale, angle=rng.uniform(0, 2 * np.pi, len(sites)), glyph=glyph)
 
 
-def together(parts: list[Marks]) -> Marks:
-    """All marks of several, in their order; of one, that one."""
-    first = np.cumsum([0, *(len(part.glyphs) for part in parts)])
-    if len(parts) == 1:
-        return parts[0]
-    xy, angle, scale = (np.concatenate([getattr(part, name) for part in parts]) for name in ("xy", "angle", "scale"))
-    glyph = np.concatenate([part.glyph + at for part, at in zip(parts, first, strict=False)])
-    return Marks(xy, angle, scale, glyph, tuple(glyph for part in parts for glyph in part.glyphs))
-
-
 def apart(marks: Marks, gap: float) -> npt.NDArray[np.bool_]:
     """Which marks stay so that no two outlines are nearer than the gap, taking each mark as its circle of reach.
 
@@ -294,7 +293,7 @@ def apart(marks: Marks, gap: float) -> npt.NDArray[np.bool_]:
     return stay
 
 
-def found(plan: Plan, sites: int, marks: int, ink: float) -> dict[str, Any]:
+def found(plan: Plan, marks: int, ink: float) -> dict[str, Any]:
     """What is reported of dots and ink, and what is to be said of it."""
     asked, warnings = plan.ink, []
     missing = max(0.0, 1 - ink / asked) if asked else 0.0
@@ -305,8 +304,6 @@ def found(plan: Plan, sites: int, marks: int, ink: float) -> dict[str, Any]:
     elif missing > 0.02:
         wish = "a smaller gap" if plan.gap else "a wider pen, more dots or lighter tones"
         warnings.append(f"{missing:.1%} of the ink asked for is not reached; {wish} would help")
-    if sites != plan.dots:
-        warnings.append(f"this start gave {sites} dots in place of {plan.dots}; --start even gives any number")
     if plan.shared:
         warnings.append("importance moved dots of one size about, so that tone is kept on the whole only; several sizes would keep it")
     return {

@@ -18,10 +18,10 @@ from crowquill import exemplar, measure
 from crowquill.exemplar import darks, kept, learning, stylefile
 from crowquill.exemplar.style import Hand, Style, Tile
 from crowquill.knobs import Range, Text
-from crowquill.marks import Marks
+from crowquill.marks import Marks, together
 from crowquill.paths import Array
 from crowquill.sheet import Ink, Layer, Sheet, Step
-from crowquill.stippling import Clock, cut_white, snapped, together
+from crowquill.stippling import Clock, cut_white, snapped
 from crowquill.styles import Work
 from crowquill.tone import Tone
 

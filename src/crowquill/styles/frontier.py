@@ -85,7 +85,7 @@ def draw(
     clock.lap("place")
     plan = replace(plan, dots=number, pen=float(2 * marks.scale.mean() / np.sqrt(np.pi)) if len(marks) else plan.pen)
     report: dict[str, Any] = {
-        **found(plan, plan.dots, len(marks), ink),
+        **found(plan, len(marks), ink),
         "levels": list(placed.levels),
         "pitch_mm": ground.grid.cell,
         "glyphs": library.name,

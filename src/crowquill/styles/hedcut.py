@@ -121,7 +121,7 @@ class Ground:
         """The ground for a setting."""
         sight = Sight.of(begun.asked, width or LINE * begun.pen)
         seen = begun.evened(sight)
-        region = darks.area(seen, (black, black), 2 * begun.pen, rng) if black < 1 else shapely.MultiPolygon()
+        region = darks.ground(seen, (black, black), 2 * begun.pen, rng).whole if black < 1 else shapely.MultiPolygon()
         return cls(seen, sight.lines(detail), width, gap, begun.pen, begun.pitch, region)
 
     @cached_property

@@ -20,10 +20,10 @@ from crowquill.greydots import Greys
 from crowquill.grid import Grid
 from crowquill.inkdots import JITTER, PITCH, Dots, Reached, measured, rows_along
 from crowquill.knobs import Choice, Numbers, Range, Text
-from crowquill.marks import Marks
+from crowquill.marks import Marks, together
 from crowquill.paths import Array, Paths
 from crowquill.sheet import Ink, Layer, Sheet, Shown, Step
-from crowquill.stippling import Clock, snapped, together
+from crowquill.stippling import Clock, snapped
 from crowquill.styles import Work
 from crowquill.tone import Tone
 
