@@ -37,7 +37,7 @@ def stipple(tone: Tone, **knobs: Any) -> Sheet:
 
 
 def dots(sheet: Sheet) -> Marks:
-    return marks.together([layer.art for layer in sheet.layers])
+    return together([layer.art for layer in sheet.layers])
 
 
 def diameters(marks: Marks) -> Array:
