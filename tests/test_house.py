@@ -23,16 +23,18 @@ paths
 hilbert halftone vector picture delaunay lettering marks hatching
 light
 tone tracing sheet curves
-cells glyphs raster forme scale plotforms greydots printable
+cells glyphs raster forme scale plotforms greydots printable inks
 trimming plots
-moments measure field layout contact
+moments measure field layout contact separation
 spectrum quadrature texture likeness inertia tiles
 spacing objects parting tesserae
 settling shapes
 relax route
 stippling screening laying inkdots exemplar
+mingling reversal
 plotting finishing
 styles formats
+inking
 recipe seen calibration
 making
 judge plate

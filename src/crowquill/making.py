@@ -12,7 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from crowquill import finishing, formats, layout, plotting, recipe, stippling, styles, units
+from crowquill import curves, finishing, formats, inking, layout, plotting, recipe, stippling, styles, units
 from crowquill.finishing import Finish
 from crowquill.marks import Marks
 from crowquill.recipe import PICTURE, Recipe, Source
@@ -33,7 +33,10 @@ def named(wanted: Recipe, paths: Paths) -> Recipe:
 def laid_out(wanted: Recipe, paths: Paths) -> tuple[tuple[float, float], Tone]:
     """The paper's sides in mm, and the tone in its place on it, on what lines and a scale bar leave free."""
     full = wanted.with_paths(paths)
-    size, tone = layout.placed(layout.lit(paths[PICTURE], styles.coloured(full.style), **full.tone), **full.paper)
+    coloured, light = styles.coloured(full.style), dict(full.tone)
+    if toned := full.inks["inks"] is not None:  # the press's curve is each ink's, once they are separated
+        coloured, light["tone_curve"] = coloured or full.inks["ink_match"] != "lightness", None
+    size, tone = layout.placed(layout.lit(paths[PICTURE], coloured, toned, **light), **full.paper)
     return size, _finish(full, paths, tone).freed(tone, _widest(wanted, tone))
 
 
@@ -42,7 +45,8 @@ def steps(wanted: Recipe, paths: Paths, size: tuple[float, float], tone: Tone) -
     recipe.check_names(wanted)
     full = wanted.with_paths(paths)
     chosen = {**full.knobs, **_timed(wanted, tone)}
-    sheet = yield from styles.steps(full.style, tone, seed=full.seed, **chosen)
+    curve = curves.inverse(full.tone["tone_curve"]) if full.inks["inks"] and full.tone["tone_curve"] else None
+    sheet = yield from inking.steps(full.style, tone, full.seed, chosen, curve, **full.inks)
     final = _finish(full, paths, tone)
     sheet = layout.on_paper(final.drawn(sheet), size, wanted.paper["margin"], wanted.paper["check_bar"])
     made = {key: sheet.recipe[key] for key in sorted(recipe.RESULTS)}
@@ -58,6 +62,8 @@ def steps(wanted: Recipe, paths: Paths, size: tuple[float, float], tone: Tone) -
 
 def _finish(full: Recipe, paths: Paths, tone: Tone) -> Finish:
     """What comes over the drawing of a tone in its place, by a recipe with its paths."""
+    if full.inks["inks"] is not None and full.finish["ink"] != "black":
+        raise ValueError(f"ink {full.finish['ink']!r} and inks {full.inks['inks']!r} are both given; leave one out")
     if full.finish["ink_gain"] and full.plot["purpose"] == "plotter":
         raise ValueError("ink-gain makes strokes finer than the pen that plots them; leave it out, or leave out --for plotter")
     if full.finish["outline"] is None:

@@ -67,7 +67,7 @@ def cut(black: shapely.Geometry, white: Marks, mark: float) -> shapely.Geometry:
     whole = shapely.buffer(shapely.buffer(whole, -hair, join_style="mitre"), hair, quad_segs=ARC)
     whole = shapely.buffer(shapely.buffer(whole, -1.5 * APART, join_style="mitre"), APART, join_style="mitre")
     kept = [part for part in shapely.get_parts(whole) if part.geom_type == "Polygon" and part.area >= LEAST * mark]
-    return shapely.MultiPolygon([_filled(part, LEAST * float((white.scale**2).mean()) if len(white) else 0.0) for part in kept])
+    return shapely.MultiPolygon([filled(part, LEAST * float((white.scale**2).mean()) if len(white) else 0.0) for part in kept])
 
 
 def _prints(marks: Marks) -> shapely.Geometry:
@@ -92,7 +92,7 @@ def rings(black: shapely.Geometry) -> Paths:
     return Paths.of([]) if black.is_empty else Paths.of_polygons(black)[0]
 
 
-def _filled(polygon: shapely.Polygon, least: float) -> shapely.Polygon:
+def filled(polygon: shapely.Polygon, least: float) -> shapely.Polygon:
     """A polygon without its holes of less than an area."""
     inner = shapely.get_rings(polygon)[1:]
     large = shapely.area(shapely.polygons(inner)) >= least if len(inner) else np.zeros(0, bool)

@@ -24,6 +24,7 @@ from crowquill.stippling import Clock, cut_white, snapped
 from crowquill.styles import Work
 from crowquill.tone import Tone
 
+INKS = False  # marks lie in the groups of the example, and its darks are reversed as it has them
 EXAMPLE = "hand"
 LEARNING = 40.0  # seconds, about, that a page of a few thousand dots takes
 SPEED = 40_000  # marks a second that are laid and measured

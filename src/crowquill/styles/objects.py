@@ -29,6 +29,7 @@ from crowquill.stippling import CAP, NOMINAL, RENDERED, Clock, allowed, cut_whit
 from crowquill.styles import Work
 from crowquill.tone import Tone
 
+INKS = False  # shapes make room for each other by their outlines, which moved dots would not
 SIZE = 2.0  # mm
 SPAN = (0.6, 1.4)  # smallest and largest objects over the size
 GAP = 0.03  # of the size, between objects side by side
