@@ -21,13 +21,10 @@ Solid = Callable[[Array], Array]
 
 OUT = Path(__file__).resolve().parents[1] / "gallery" / "still_life.png"
 
-SIZE = (380, 285)  # pixels, wide and high
-OVER = 1  # pixels are computed this many times finer each way, then averaged
-EYE, TARGET, VIEW = (
-    (0.1, -6.2, 3.1),
-    (-0.05, -0.12, 0.40),
-    0.272,
-)  # the eye, what it looks at, half the width of the picture over its distance
+SIZE = (760, 570)  # pixels, wide and high
+OVER = 2  # pixels are computed this many times finer each way, then averaged
+EYE, TARGET = (0.1, -6.2, 3.1), (-0.05, -0.14, 0.40)
+VIEW = 0.272  # half the width of the picture over how far off it is
 SUN = (-0.55, -0.42, 0.72)
 STEPS, NEAR, FAR = 90, 1e-3, 14.0
 
@@ -66,19 +63,20 @@ def plum(p: Array) -> Array:
     """A long ball with a seam."""
     q = (p - (0.42, 0.55, 0.5)) / (0.94, 0.9, 1.06)
     r = np.linalg.norm(q, axis=1)
-    seam = 0.03 * np.exp(-((q[:, 0] + 0.35 * q[:, 2] + 0.18) ** 2) / 0.0016) * (q[:, 1] < 0)
+    seam = 0.035 * np.exp(-((q[:, 0] + 0.35 * q[:, 2] + 0.16) ** 2) / 0.004) * (q[:, 1] < 0)
     return np.asarray(0.8 * (r - 0.52 + seam))
 
 
 def leaf(p: Array) -> Array:
-    """A thin bowed leaf that leans on the orange, with veins."""
-    turn = np.array([[0.55, -0.78, 0.3], [0.78, 0.6, 0.12], [-0.27, 0.17, 0.95]])
-    q = (p - (-1.12, -0.78, 0.16)) @ turn.T
-    along, across = q[:, 0] / 0.74, q[:, 1]
-    half = 0.33 * np.maximum(1 - along**2, 0) ** 0.8 * (1 + 0.25 * along)
-    middle = 0.13 * along**2 + 0.5 * across**2 + 0.05 * np.exp(-np.abs(across) / 0.012) * 0.25
-    out = np.maximum(np.abs(across) - half, np.maximum(np.abs(along) - 1, 0) * 0.74)
-    return np.asarray(0.55 * np.maximum(out, np.abs(q[:, 2] + 0.05 - middle) - 0.012))
+    """A thin bowed leaf, pointed at both ends, with veins."""
+    turn = np.array([[0.93, -0.36, 0.07], [0.36, 0.93, 0.0], [-0.07, 0.03, 0.99]])
+    q = (p - (-1.02, -0.98, 0.1)) @ turn.T
+    along, across = q[:, 0] / 0.66, q[:, 1]
+    half = 0.27 * np.maximum(1 - along**2, 0) * (1 + 0.3 * along)
+    ribs = 0.010 * np.exp(-np.abs(across) / 0.02) + 0.004 * np.cos(38 * (q[:, 0] - 0.8 * np.abs(across)))
+    surface = 0.16 * along**2 + 0.6 * across**2 - ribs
+    out = np.maximum(np.abs(across) - half, (np.abs(along) - 1) * 0.66)
+    return np.asarray(0.5 * np.maximum(out, np.abs(q[:, 2] - surface) - 0.014))
 
 
 def stem(p: Array) -> Array:
@@ -141,7 +139,7 @@ def normals(p: Array) -> Array:
     """The way in which the distance grows, (n, 3)."""
     sides = [nearest(p + step)[0] - nearest(p - step)[0] for step in 2e-3 * np.eye(3)]
     way = np.stack(sides, axis=1)
-    return np.asarray(way / np.linalg.norm(way, axis=1, keepdims=True))
+    return np.asarray(way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-12))
 
 
 def lit(p: Array, way: Array) -> Array:

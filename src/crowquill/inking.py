@@ -178,7 +178,7 @@ def _reversed(style: str, parts: reversal.Parted, seed: int, chosen: Values, dot
     told = _summed([sheet.report for sheet in (*black, white)])
     asked = float(shapely.area(parts.area)) - white.report["ink_asked_mm2"] + sum(sheet.report["ink_asked_mm2"] for sheet in black)
     told |= {"white_marks": len(holes), "ink_asked_mm2": asked, "ink_placed_mm2": reversal.ink(area, rest.marks)}
-    layers = (Layer(Ink(), reversal.rings(area), "solid"), *rest.sheet.layers)
+    layers = (Layer(Ink(), reversal.rings(area), "solid"), *(layer for layer in rest.sheet.layers if len(layer.art)))
     return Drawn(replace(rest.sheet, layers=layers, report=_filled(told)), rest.tone)
 
 
@@ -240,8 +240,10 @@ def _filled(report: dict[str, Any]) -> dict[str, Any]:
 def _warnings(inks: Sequence[Ink], reports: Sequence[Mapping[str, Any]], parts: Separation) -> list[str]:
     """What is to be said of each ink, and of how far their colours reach."""
     said = []
+    if not any(report["marks"] for report in reports):
+        return list(dict.fromkeys(one for report in reports for one in report["warnings"]))
     for ink, report in zip(inks, reports, strict=True):
-        if report["marks"] or all(not one["marks"] for one in reports):
+        if report["marks"]:
             said += [f"{ink.name}: {one}" for one in report["warnings"]]
         else:
             said.append(

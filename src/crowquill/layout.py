@@ -26,7 +26,9 @@ def lit(
     colour: bool = False,
     toned: bool = False,
     *,
-    tone: Annotated[str, Choice(TONES, "light to ink; auto suits the pen, linear is exact, grey goes by code value")] = "auto",
+    tone: Annotated[
+        str, Choice(TONES, "light to ink; auto suits the pen (--inks: linear), linear is exact, grey goes by code value")
+    ] = "auto",
     gamma: Annotated[float, Range(0.01, 10, "", "power of coverage; above 1 opens shadows")] = 1.0,
     black_point: Annotated[float | None, Range(0, 1, "", "code value that is full ink")] = None,
     white_point: Annotated[float | None, Range(0, 1, "", "code value that is white paper")] = None,

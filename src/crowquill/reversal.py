@@ -19,7 +19,7 @@ from crowquill.marks import Marks
 from crowquill.paths import Paths
 from crowquill.tone import Tone
 
-SEEN = 1.0  # dot: the blur through which dark parts are looked for
+SEEN = 0.5  # of a dot: the blur through which dark parts are looked for
 LEAST = 20.0  # dots, as squares: smaller parts, and smaller gaps in one, go
 
 

@@ -14,11 +14,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
-from scipy.ndimage import map_coordinates
 
 from crowquill.inks import LUMINANCE, looks
+from crowquill.kernel import compiled, shared_out
 from crowquill.paths import Array
 from crowquill.picture import encoded, linear
 from crowquill.sheet import Ink
@@ -30,9 +31,10 @@ SUMS = np.array([0.0, 0.4, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3, 1.4, 1.6, 2.0
 COVERED = np.array([0.0, 0.3987, 0.5921, 0.6786, 0.7589, 0.8226, 0.8738, 0.9169, 0.9501, 0.9672, 0.979, 0.9911, 0.9997])
 LEAST = 1e-3  # of k: the sum, but for rounding
 GRID = 17  # colours to a side of the cube that are separated; between them coverage runs straight, and the light errs by .004
-STEPS = 400  # of descent; the grey axis stands still after 300
+STEPS = 800  # of descent at most; three thousand change a share by .0001 on the mean
+STILL = 1e-7  # of a share: a descent that moves no more is at its end
 COST = 2e-3  # of ink beside the square of an error of light: errors of .001 are worth it
-MEETING = 0.3  # of that, for ink on ink; with .6 skin had black dots, with .15 black began in tones of .3
+BLACK = (0.25, 0.65)  # of the darkest ink at most: where it comes in, and where it takes all; lighter inks side by side reach .3
 ROOM = 0.6  # of the paper that dots of one ink fill before they touch: where the next ink begins when lightness alone is matched
 SEEN = 200_000  # pixels on which a separation is judged
 FAR = 0.1  # of the light: an error that is seen side by side
@@ -58,24 +60,38 @@ class Separation:
 def of_colour(tone: Tone, inks: Sequence[Ink], *, limit: float = 3.0, apart: bool = True, greys: bool = False) -> Separation:
     """The separation nearest to a picture's colours, in linear light: by non-negative least squares, colour by colour.
 
-    Of mixtures that look alike it takes the one whose dots stand out least and lie least on each other: black comes in only where
-    lighter inks would have to meet. A tone without colours is grey by its coverage.
+    Many mixtures look alike, from one with the least of the darkest ink to one with the most. Light ones are taken with the least,
+    whose dots stand out less, dark ones with the most, whose dots lie less on each other; between them it comes in by degrees.
+    A tone without colours is grey by its coverage.
 
     limit  of what all inks cover at one place, in sheets of paper
     apart  whether dots will keep clear of each other, or lie where chance has them
-    greys  let the darkest ink, of mixtures that look alike, take all that it can: greys are then that ink alone
+    greys  take all colours with the most of the darkest ink: greys are then that ink alone
     """
     taken = 1 - looks(inks)
-    contrast = taken @ LUMINANCE
-    cost = np.where(np.arange(len(inks)) == contrast.argmax(), 0.0, 1.0) if greys else contrast**2
-    nodes = np.linspace(0, 1, GRID)
-    cube = np.stack(np.meshgrid(nodes, nodes, nodes, indexing="ij"), axis=-1).reshape(-1, 3)
-    table = solved(linear(cube), taken, cost, limit=limit, apart=apart)
     grey = encoded(1 - tone.coverage)[..., None]
     codes: Array = np.repeat(grey, 3, axis=2) if tone.rgb is None else tone.rgb / 255.0
-    shares = _looked_up(table, codes)
+    shares = _looked_up(_table(tuple(inks), limit, apart, greys), codes)
     least = float(mixed(np.ones((1, len(inks))), taken, apart=False)[0] @ LUMINANCE)
     return _judged(tone, shares, taken, linear(_some(tone, codes)), least, apart)
+
+
+@lru_cache(maxsize=8)
+def _table(inks: tuple[Ink, ...], limit: float, apart: bool, greys: bool) -> Array:
+    """Shares (GRID cubed, n) of the inks for the colours of a cube of sRGB, the darkest ink by degrees."""
+    nodes = np.linspace(0, 1, GRID)
+    wanted = linear(np.stack(np.meshgrid(nodes, nodes, nodes, indexing="ij"), axis=-1).reshape(-1, 3))
+    taken = 1 - looks(inks)
+    contrast = taken @ LUMINANCE
+    darkest = np.arange(len(inks)) == contrast.argmax()
+    most = solved(wanted, taken, np.where(darkest, 0.0, 1.0), limit=limit, apart=apart)
+    if greys:
+        return most
+    least = solved(wanted, taken, np.where(darkest, 1.0, contrast**2), limit=limit, apart=apart)
+    high, low = most[:, darkest], least[:, darkest]
+    by = np.clip((high - BLACK[0]) / (BLACK[1] - BLACK[0]), 0, 1)
+    held = np.minimum(low, high) + np.maximum(high - low, 0) * by**2 * (3 - 2 * by)
+    return solved(wanted, taken, contrast**2, limit=limit, apart=apart, held=np.where(darkest, held, np.nan))
 
 
 def of_lightness(tone: Tone, inks: Sequence[Ink], *, apart: bool = True) -> Separation:
@@ -102,60 +118,119 @@ def mixed(shares: Array, taken: Array, *, apart: bool = True) -> Array:
 
 def meeting(shares: Array) -> Array:
     """How often dots meet that keep clear of each other, over chance, (m,) for shares (m, n): as leaves the paper free that they leave."""
-    free = 1 - np.interp(shares.sum(axis=1), SUMS, COVERED)
-    low, high = np.full(len(shares), LEAST), np.ones(len(shares))
-    for _ in range(20):
-        middle = (low + high) / 2
-        more = 1 - (1 - np.prod(1 - middle[:, None] * shares, axis=1)) / middle < free
-        low, high = np.where(more, middle, low), np.where(more, high, middle)
-    return high
+    found = np.ones(len(shares))
+    shared_out(lambda lo, hi: _meetings(shares, found, lo, hi), len(shares))
+    return found
 
 
-def solved(wanted: Array, taken: Array, cost: Array, *, limit: float, apart: bool) -> Array:
+def solved(wanted: Array, taken: Array, cost: Array, *, limit: float, apart: bool, held: Array | None = None) -> Array:
     """Shares of inks (m, n), each of 0 to 1 and together within the limit, that leave the light wanted (m, c) most nearly.
 
-    taken  (n, c) of the light by each ink; cost (n,) of each beside errors of light. By projected gradients, accelerated.
-    Source: A. Beck, M. Teboulle, A Fast Iterative Shrinkage-Thresholding Algorithm, SIAM J. Imaging Sciences 2(1), 2009.
+    taken  (n, c) of the light by each ink; cost (n,) of each beside errors of light, which decides between mixtures that look alike
+    held   (m, n) shares that are given, NaN where they are not
+
+    By projected gradients, accelerated. Source: A. Beck, M. Teboulle, A Fast Iterative Shrinkage-Thresholding Algorithm, SIAM
+    J. Imaging Sciences 2(1), 2009.
     """
-    middles, sides = (SUMS[:-1] + SUMS[1:]) / 2, np.diff(COVERED) / np.diff(SUMS)
-    step = 1 / (2 * (taken**2).sum())
-    shares = ahead = np.zeros((len(wanted), len(taken)))
-    k, pace = np.ones(len(wanted)), 1.0
-    for turn in range(STEPS):
-        if turn % 10 == 0 and apart:
-            k = meeting(ahead)
-        left = 1 - (k[:, None] * ahead)[:, :, None] * taken
-        every = np.prod(left, axis=1)
-        error = 1 - (1 - every) / k[:, None] - wanted
-        slope = -taken * every[:, None, :] / np.maximum(left, 1e-9)
-        more = np.interp(ahead.sum(axis=1), middles, sides, left=1, right=0)
-        price = COST * (cost + MEETING * (1 - more[:, None] if apart else 0.0))
-        found = _held(ahead - step * (2 * (error[:, None, :] * slope).sum(axis=2) + price), limit)
-        faster = (1 + np.sqrt(1 + 4 * pace**2)) / 2
-        ahead = np.clip(found + (pace - 1) / faster * (found - shares), 0, 1)
-        shares, pace = found, faster
+    given = np.full((len(wanted), len(taken)), np.nan) if held is None else held
+    low, high = np.where(np.isnan(given), 0.0, given), np.where(np.isnan(given), 1.0, given)
+    shares = low.copy()
+    shared_out(lambda lo, hi: _descend(wanted, taken, cost * COST, low, high, limit, apart, shares, lo, hi), len(wanted), 64)
     return shares
 
 
-def _held(shares: Array, limit: float) -> Array:
-    """The nearest shares of 0 to 1 whose sum is within the limit."""
-    held = np.clip(shares, 0, 1)
-    over = np.flatnonzero(held.sum(axis=1) > limit)
-    low, high = np.zeros(len(over)), np.ones(len(over))
-    for _ in range(30 if len(over) else 0):
-        middle = (low + high) / 2
-        more = np.clip(shares[over] - middle[:, None], 0, 1).sum(axis=1) > limit
-        low, high = np.where(more, middle, low), np.where(more, high, middle)
-    held[over] = np.clip(shares[over] - high[:, None], 0, 1)
+@compiled
+def _descend(
+    wanted: Array, taken: Array, cost: Array, low: Array, high: Array, limit: float, apart: bool, shares: Array, lo: int, hi: int
+) -> None:
+    """Shares of colours lo to hi, from those of `low` on; k stays for ten steps."""
+    n, channels = taken.shape
+    step = 1 / (2 * (taken**2).sum())
+    for m in range(lo, hi):
+        now, ahead, k, pace = shares[m].copy(), shares[m].copy(), 1.0, 1.0
+        for turn in range(STEPS):
+            if apart and turn % 10 == 0:
+                k = _meeting(ahead)
+            slope = cost.copy()
+            for c in range(channels):
+                left = 1.0
+                for i in range(n):
+                    left *= 1 - k * ahead[i] * taken[i, c]
+                error = 1 - (1 - left) / k - wanted[m, c]
+                for i in range(n):
+                    slope[i] -= 2 * error * taken[i, c] * left / max(1 - k * ahead[i] * taken[i, c], 1e-9)
+            found = _within(ahead - step * slope, low[m], high[m], limit)
+            faster = (1 + np.sqrt(1 + 4 * pace**2)) / 2
+            for i in range(n):
+                ahead[i] = min(max(found[i] + (pace - 1) / faster * (found[i] - now[i]), low[m, i]), high[m, i])
+            still = np.abs(found - now).max() < STILL and turn % 10 == 9
+            now, pace = found, faster
+            if still:
+                break
+        shares[m] = now
+
+
+@compiled
+def _within(shares: Array, low: Array, high: Array, limit: float) -> Array:
+    """The nearest shares (n,) from low to high whose sum is within the limit, or low where no sum is."""
+    found = np.minimum(np.maximum(shares, low), high)
+    if found.sum() <= limit:
+        return found
+    less, more = 0.0, 1.0 + np.abs(shares).max()
+    for _ in range(30):
+        middle = (less + more) / 2
+        found = np.minimum(np.maximum(shares - middle, low), high)
+        less, more = (middle, more) if found.sum() > limit else (less, middle)
+    held: Array = np.minimum(np.maximum(shares - more, low), high)
     return held
 
 
+@compiled
+def _meetings(shares: Array, found: Array, lo: int, hi: int) -> None:
+    for m in range(lo, hi):
+        found[m] = _meeting(shares[m])
+
+
+@compiled
+def _meeting(shares: Array) -> float:
+    """k of one mixture, by halving: the more often dots meet, the more paper they leave free."""
+    free = 1 - np.interp(shares.sum(), SUMS, COVERED)
+    low, high = LEAST, 1.0
+    for _ in range(20):
+        k = (low + high) / 2
+        if 1 - (1 - np.prod(1 - k * shares)) / k < free:
+            low = k
+        else:
+            high = k
+    return high
+
+
 def _looked_up(table: Array, codes: Array) -> Array:
-    """Shares (h, w, n) of colours (h, w, 3), sRGB of 0 to 1, straight between those of the cube's nodes."""
-    at = codes.reshape(-1, 3).T * (GRID - 1)
-    found = [map_coordinates(column.reshape(GRID, GRID, GRID), at, order=1, mode="nearest") for column in table.T]
-    shares: Array = np.clip(np.stack(found, axis=1), 0, 1).reshape(*codes.shape[:2], -1)
-    return shares
+    """Shares (h, w, n) of colours (h, w, 3), sRGB of 0 to 1, straight between those of the cube's nodes.
+
+    Between the four nodes of a tetrahedron, whose edge is the cube's way from black to white: greys are made of greys alone.
+    """
+    flat, cube = codes.reshape(-1, 3), table.reshape(GRID, GRID, GRID, -1)
+    shares = np.empty((len(flat), table.shape[1]))
+    shared_out(lambda lo, hi: _straight(cube, flat * (GRID - 1), shares, lo, hi), len(flat))
+    return np.asarray(np.clip(shares, 0, 1).reshape(*codes.shape[:2], -1))
+
+
+@compiled
+def _straight(cube: Array, places: Array, shares: Array, lo: int, hi: int) -> None:
+    """Shares at places lo to hi, in steps of the cube: a step along each axis in turn, the longest first."""
+    node, part = np.empty(3, np.int64), np.empty(3)
+    for m in range(lo, hi):
+        for c in range(3):
+            node[c] = min(int(places[m, c]), GRID - 2)
+            part[c] = places[m, c] - node[c]
+        before = cube[node[0], node[1], node[2]]
+        shares[m] = before
+        for c in np.argsort(-part):
+            node[c] += 1
+            after = cube[node[0], node[1], node[2]]
+            shares[m] += part[c] * (after - before)
+            before = after
 
 
 def _judged(tone: Tone, shares: Array, taken: Array, wanted: Array, least: float, apart: bool) -> Separation:
