@@ -12,9 +12,9 @@ import pytest
 import shapely
 from PIL import Image
 
-from crowquill import formats, glyphs, options, recipe, styles
+from crowquill import formats, glyphs, inks, options, recipe, styles
 from crowquill.__main__ import main
-from crowquill.finishing import INSET, SURROUND, Finish, finish, inked
+from crowquill.finishing import INSET, SURROUND, Finish, finish
 from crowquill.lettering import Words
 from crowquill.marks import Marks
 from crowquill.paths import Paths
@@ -137,7 +137,7 @@ def test_what_cannot_be_is_refused_in_one_line(more: list[str], capsys: pytest.C
     ],
 )
 def test_an_ink_is_a_name_a_mix_or_a_spot_ink(text: str, ink: Ink):
-    assert inked(text) == ink
+    assert inks.one(text) == ink
 
 
 def test_the_ink_is_that_of_the_drawing_and_not_of_lines_and_bars():
@@ -151,7 +151,7 @@ def test_the_ink_is_that_of_the_drawing_and_not_of_lines_and_bars():
 
 def test_inks_that_a_style_chose_stay_and_it_is_said():
     red = Layer(Ink("red", (0, 1, 1, 0)), Paths.of([[(1, 1), (2, 1), (2, 2)]]))
-    made = Finish(ink=inked("cyan")).drawn(Sheet((9, 9), (red,)))
+    made = Finish(ink=inks.one("cyan")).drawn(Sheet((9, 9), (red,)))
     assert made.layers[0].ink == red.ink and "not used" in made.report["warnings"][0]
 
 

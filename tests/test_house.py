@@ -25,18 +25,19 @@ hilbert halftone exact vector picture lettering marks hatching
 regular
 light delaunay frontier
 tone tracing sheet curves
-cells glyphs raster forme scale plotforms greydots printable
+cells glyphs raster forme scale plotforms greydots printable inks
 trimming plots
-moments measure field layout contact grid
+moments measure field layout contact grid separation
 spectrum quadrature texture likeness inertia tiles
 spacing objects parting tesserae
 settling shapes
 relax route
 capacity splitting
 stippling screening laying inkdots exemplar
-aligned contrast nibs
+aligned contrast nibs mingling reversal
 plotting finishing
 styles formats
+inking
 recipe seen calibration
 making
 judge plate

@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 import crowquill
 from crowquill import Marks, Sheet, Tone, glyphs, measure
+from crowquill.marks import together
 from crowquill.nibs import _eased, _followed, _handed_out
 
 Array = npt.NDArray[np.float64]

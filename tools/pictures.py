@@ -1,5 +1,6 @@
 """Render gallery/<name>.png from every script of the gallery; the plate is cropped, and 20 mm of it shown close up."""
 
+from io import BytesIO
 from pathlib import Path
 from runpy import run_path
 
@@ -7,18 +8,29 @@ import numpy as np
 from PIL import Image, ImageOps
 from pypdfium2 import PdfDocument
 
-from crowquill import to_bytes
+from crowquill import Sheet, to_bytes
+from crowquill.picture import encoded, linear
 
 GALLERY = Path(__file__).resolve().parents[1] / "gallery"
 OVER = 4  # pixels are rendered this many times finer each way, then averaged
 STEP = 17  # between the 16 greys kept: dots are black or white, and only their edges are grey
-COLOURED = {"measures", "plotter", "duotone", "figure_3_12"}  # two drawings, strokes, ways and inks told apart; all else is black ink
+COLOURED = {"measures", "plotter", "figure_3_12"}  # two drawings, strokes, ways told apart; all else is black ink
+INKED = {"duotone", "four_inks", "two_inks"}  # inks that overprint, which PDF's viewers do not show
 DETAIL = np.array([84, 181, 106, 96])  # mm cut off the plate's paper: left, bottom, right, top
 
 
 def rendered(pdf: bytes, dpi: float, cut: tuple[float, ...] = (0, 0, 0, 0), grey: bool = True) -> Image.Image:
     page = PdfDocument(pdf)[0].render(scale=OVER * dpi / 72, crop=cut, grayscale=grey)
     return page.to_pil().reduce(OVER)
+
+
+def printed(sheet: Sheet, dpi: float) -> Image.Image:
+    """The page as its inks look together from where dots run together: it is light that eyes average, not code values."""
+    with Image.open(BytesIO(to_bytes(sheet, "png", dpi=OVER * dpi))) as image:
+        width, height = image.width // OVER, image.height // OVER
+        light = linear(np.asarray(image.convert("RGB").crop((0, 0, OVER * width, OVER * height))) / 255)
+    means = light.reshape(height, OVER, width, OVER, 3).mean(axis=(1, 3))
+    return Image.fromarray(np.round(255 * encoded(means)).astype(np.uint8))
 
 
 def save(picture: Image.Image, name: str, dpi: float) -> None:
@@ -29,9 +41,11 @@ def save(picture: Image.Image, name: str, dpi: float) -> None:
 
 if __name__ == "__main__":
     for script in sorted(path for path in GALLERY.glob("*.py") if path.stem != "plate"):
-        page = to_bytes(run_path(str(script))["make"](), "pdf")
-        if script.stem in COLOURED:
-            shown = rendered(page, 110, grey=False).convert("RGB").quantize(32, dither=Image.Dither.NONE)
+        sheet = run_path(str(script))["make"]()
+        page = to_bytes(sheet, "pdf")
+        if script.stem in COLOURED | INKED:
+            seen = printed(sheet, 110) if script.stem in INKED else rendered(page, 110, grey=False).convert("RGB")
+            shown = seen.quantize(32, dither=Image.Dither.NONE)
             shown.save(GALLERY / f"{script.stem}.png", optimize=True, dpi=(110, 110))
         else:
             save(rendered(page, 110), script.stem, 110)

@@ -54,11 +54,16 @@ __all__ = [
 def draw(style: str, tone: Tone, *, seed: int = 0, watch: Callable[[Step], None] | None = None, **knobs: Any) -> Sheet:
     """The Sheet that a style makes of a tone; `watch`, where given, sees each Step.
 
+    knobs  those of the style, and those of inking.steps: inks="C,M,Y,K" draws in several
+
     Raises ValueError for an unknown style or knob and for values out of range.
     """
-    from crowquill.styles import run, steps
+    from crowquill import inking
+    from crowquill.knobs import of
+    from crowquill.styles import run
 
-    return run(steps(style, tone, seed=seed, **knobs), watch)
+    own = {key: knobs.pop(key) for key in of(inking.steps) if key in knobs}
+    return run(inking.steps(style, tone, seed, knobs, **own), watch)
 
 
 def __getattr__(name: str) -> Any:

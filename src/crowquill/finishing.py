@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from dataclasses import field as made
@@ -14,12 +13,12 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from crowquill import field, measure, trimming, vector
+from crowquill import field, inks, measure, trimming, vector
 from crowquill.knobs import Range, Text
 from crowquill.marks import Marks, together
 from crowquill.paths import Paths
 from crowquill.scale import Bar, bar, of_pixel, parsed
-from crowquill.sheet import SPOT, Bitmap, Ink, Layer, Sheet
+from crowquill.sheet import Bitmap, Ink, Layer, Sheet
 from crowquill.tone import Tone
 
 EDGES = "edges"  # in place of a file: lines are found in the picture
@@ -33,7 +32,6 @@ INSET = 2.0  # mm from the drawing's edges to its scale bar
 SURROUND = 0.8  # mm of white around it
 SQUARE = 0.02  # by which the sides of a pixel may differ: small pictures are cut to whole ones
 FRAME = (0.0, 0.0, 1.0, 1.0)
-INKS = {"black": (0.0, 0.0, 0.0, 1.0), "cyan": (1.0, 0.0, 0.0, 0.0), "magenta": (0.0, 1.0, 0.0, 0.0), "yellow": (0.0, 0.0, 1.0, 0.0)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,7 +182,7 @@ def finish(
     scale: Annotated[str | None, Text("how large it is drawn: 1 mm = 250 um, the drawing's length first, or 1:50")] = None,
     pixel_size: Annotated[str | None, Text("the same, as the length of a pixel of the picture on the specimen: 1.3um")] = None,
     ink_gain: Annotated[float, Range(0, 1, "mm", "how far every printed edge grows; sizes are reduced by it")] = 0.0,
-    ink: Annotated[str, Text("black, cyan, magenta, yellow, a mix as NAME=c,m,y,k of 0 to 1, or spot:NAME=c,m,y,k")] = "black",
+    ink: Annotated[str, Text("black, cyan, magenta, yellow, a mix as NAME=c,m,y,k of 0 to 1 or NAME=#rrggbb; or spot:NAME=...")] = "black",
 ) -> Finish:
     """What is to be drawn over a drawing of this tone, and how it is to print.
 
@@ -217,31 +215,7 @@ def finish(
         box = shapely.box(*bars.box)
         cut = {width: shapely.difference(part, shapely.buffer(box, SURROUND + width / 2)) for width, part in lines.items()}
         lines = {width: trimming.snapped(part) for width, part in cut.items() if not trimming.snapped(part).is_empty}
-    return Finish(lines, bars, outline_gap, ink_gain, inked(ink))
-
-
-def inked(text: str) -> Ink:
-    """The ink of a name, a mix or a spot ink. Raises ValueError for what is none.
-
-    >>> inked("spot:PANTONE 124 C=0,0.3,0.9,0").cmyk
-    (0.0, 0.3, 0.9, 0.0)
-    """
-    if text.strip().lower() in INKS:
-        name = text.strip().lower()
-        return Ink(name, INKS[name])
-    found = re.fullmatch(r"\s*(spot:)?([^=:]+)=([^=]+)", text)
-    try:
-        shares = tuple(float(part) for part in found[3].split(",")) if found else ()
-    except ValueError:
-        shares = ()
-    if not found or len(shares) != 4 or not all(0 <= share <= 1 for share in shares):
-        raise ValueError(f"ink {text!r} is not understood; there are {', '.join(INKS)}, NAME=c,m,y,k of 0 to 1, and spot:NAME=c,m,y,k")
-    name, (cyan, magenta, yellow, black) = found[2].strip(), shares
-    if not SPOT.fullmatch(name):
-        raise ValueError(f"name {name!r} of an ink; give plain letters, digits, spaces and -_.+&()")
-    if not any(shares) and not found[1]:
-        raise ValueError(f"ink {text!r} has no colour and prints nothing; give shares over 0")
-    return Ink(name, (cyan, magenta, yellow, black), spot=bool(found[1]))
+    return Finish(lines, bars, outline_gap, ink_gain, inks.one(ink))
 
 
 def _check(outline: str | None, width: float | None, detail: float | None, bars: str | None, scale: str | None, pixel: str | None) -> None:

@@ -24,8 +24,11 @@ BAR_MARGIN = 4.0  # mm; a check bar needs that much
 def lit(
     picture: Path,
     colour: bool = False,
+    toned: bool = False,
     *,
-    tone: Annotated[str, Choice(TONES, "light to ink; auto suits the pen, linear is exact, grey goes by code value")] = "auto",
+    tone: Annotated[
+        str, Choice(TONES, "light to ink; auto suits the pen (--inks: linear), linear is exact, grey goes by code value")
+    ] = "auto",
     gamma: Annotated[float, Range(0.01, 10, "", "power of coverage; above 1 opens shadows")] = 1.0,
     black_point: Annotated[float | None, Range(0, 1, "", "code value that is full ink")] = None,
     white_point: Annotated[float | None, Range(0, 1, "", "code value that is white paper")] = None,
@@ -55,6 +58,7 @@ def lit(
         local_contrast=local_contrast,
         importance=importance,
         colour=colour,
+        toned=toned,
         max_pixels=max_pixels,
     )
     found = found if curve is None else found.mapped(curve)

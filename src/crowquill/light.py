@@ -37,6 +37,16 @@ def coverage(code: Array, tone: str, black: float | None, white: float | None) -
     return coverage
 
 
+def toned(codes: Bytes, tone: str, black: float | None, white: float | None, change: Callable[[Array], Array]) -> Bytes:
+    """sRGB code values (h, w, 3) of the light that is asked for of each channel, by the named rule between two points, and a change.
+
+    "auto" is "linear": colours are asked for as they are, and have no points of their own. `change` takes and gives coverage (h, w).
+    """
+    rule = "linear" if tone == "auto" else tone
+    asked = [change(coverage(channel / 255, rule, black, white)) for channel in np.moveaxis(codes, 2, 0)]
+    return np.round(255 * encoded(1 - np.stack(asked, axis=2))).astype(np.uint8)
+
+
 def is_file(source: object) -> bool:
     """Whether a source is a path or an open file, not an array."""
     return isinstance(source, (str, os.PathLike)) or hasattr(source, "read")

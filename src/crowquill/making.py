@@ -12,7 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from crowquill import finishing, formats, layout, nibs, plotting, recipe, stippling, styles, units
+from crowquill import curves, finishing, formats, inking, layout, nibs, plotting, recipe, stippling, styles, units
 from crowquill.finishing import Finish
 from crowquill.marks import Marks
 from crowquill.recipe import PICTURE, Recipe, Source
@@ -36,8 +36,10 @@ def laid_out(wanted: Recipe, paths: Paths, *, colour: bool = False) -> tuple[tup
     colour  keep the picture's colours, whatever the style
     """
     full = wanted.with_paths(paths)
-    lit = layout.lit(paths[PICTURE], colour or styles.coloured(full.style), **full.tone)
-    size, tone = layout.placed(lit, **full.paper)
+    coloured, light = colour or styles.coloured(full.style), dict(full.tone)
+    if toned := full.inks["inks"] is not None:  # the press's curve is each ink's, once they are separated
+        coloured, light["tone_curve"] = coloured or full.inks["ink_match"] != "lightness", None
+    size, tone = layout.placed(layout.lit(paths[PICTURE], coloured, toned, **light), **full.paper)
     over = _finish(full, paths, tone)
     return size, over.freed(tone, _widest(wanted, tone)), over
 
@@ -47,7 +49,8 @@ def steps(wanted: Recipe, paths: Paths, size: tuple[float, float], tone: Tone, o
     recipe.check_names(wanted)
     full = wanted.with_paths(paths)
     chosen = {**full.knobs, **_timed(wanted, tone)}
-    sheet = yield from styles.steps(full.style, tone, seed=full.seed, **chosen)
+    curve = curves.inverse(full.tone["tone_curve"]) if full.inks["inks"] and full.tone["tone_curve"] else None
+    sheet = yield from inking.steps(full.style, tone, full.seed, chosen, curve, **full.inks)
     sheet = layout.on_paper(over.drawn(sheet), size, wanted.paper["margin"], wanted.paper["check_bar"])
     made = {key: sheet.recipe[key] for key in sorted(recipe.RESULTS)}
     settings = {key: value for key, value in wanted.plot.items() if key not in ("purpose", "plot_time")}
@@ -62,6 +65,8 @@ def steps(wanted: Recipe, paths: Paths, size: tuple[float, float], tone: Tone, o
 
 def _finish(full: Recipe, paths: Paths, tone: Tone) -> Finish:
     """What comes over the drawing of a tone in its place, by a recipe with its paths."""
+    if full.inks["inks"] is not None and full.finish["ink"] != "black":
+        raise ValueError(f"ink {full.finish['ink']!r} and inks {full.inks['inks']!r} are both given; leave one out")
     if full.finish["ink_gain"] and full.plot["purpose"] == "plotter":
         raise ValueError("ink-gain makes strokes finer than the pen that plots them; leave it out, or leave out --for plotter")
     if full.finish["outline"] is None:

@@ -20,6 +20,7 @@ PANELS = {
     "paper": "Paper and size",
     "tone": "Picture and tone",
     "knobs": "The style's knobs",
+    "inks": "Inks",
     "finish": "Lines, bars and print",
     "files": "Files",
     "plot": "For a plotter",

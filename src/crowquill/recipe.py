@@ -12,13 +12,13 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
 
-from crowquill import finishing, formats, layout, plotting, styles
+from crowquill import finishing, formats, inking, layout, plotting, styles
 from crowquill.knobs import Choice, Flag, Knob, Text, checked, of, unknown
 from crowquill.sheet import Sheet
 from crowquill.vector import regular
 
 SCHEMA = 1  # a reader refuses a newer one
-TABLES = ("paper", "tone", "knobs", "finish", "files", "plot")
+TABLES = ("paper", "tone", "knobs", "inks", "finish", "files", "plot")
 RESULTS = {"art_mm", "paper_mm", "art_at_mm"}  # what came of it: kept in files beside what made it
 PICTURE = "picture"
 
@@ -40,10 +40,11 @@ class Source:
 
 @dataclass(frozen=True)
 class Recipe:
-    """A style with its seed, and every setting by name in six tables; `sources` are the files by what they are for.
+    """A style with its seed, and every setting by name in seven tables; `sources` are the files by what they are for.
 
     paper, tone  the keywords of layout.placed and layout.lit
-    knobs        of the style; `finish` of finishing.finish; `files` of the formats written, only those that were asked for
+    knobs        of the style; `inks` of inking.steps; `finish` of finishing.finish
+    files        of the formats written, only those that were asked for
     plot         of finished() and of plotting.plotted, which count for plotters only
     """
 
@@ -52,6 +53,7 @@ class Recipe:
     paper: Mapping[str, Any] = field(default_factory=dict)
     tone: Mapping[str, Any] = field(default_factory=dict)
     knobs: Mapping[str, Any] = field(default_factory=dict)
+    inks: Mapping[str, Any] = field(default_factory=dict)
     finish: Mapping[str, Any] = field(default_factory=dict)
     files: Mapping[str, Any] = field(default_factory=dict)
     plot: Mapping[str, Any] = field(default_factory=dict)
@@ -70,7 +72,9 @@ class Recipe:
 
     def data(self) -> dict[str, Any]:
         """The recipe as JSON and TOML can hold it: what is left to a default of None is left out."""
-        used = TABLES if self.plot["purpose"] == "plotter" else TABLES[:-1]
+        unused = {"plot"} if self.plot["purpose"] != "plotter" else set()
+        unused |= {"inks"} if all(value is None for value in self.inks.values()) else set()
+        used = [table for table in TABLES if table not in unused]
         tables = {table: {key: _plain(value) for key, value in getattr(self, table).items() if value is not None} for table in used}
         sources = {key: {"name": source.name, "sha256": source.sha256} for key, source in self.sources.items()}
         return {"schema": SCHEMA, "version": self.version, "style": self.style, "seed": int(self.seed), "sources": sources, **tables}
@@ -99,7 +103,12 @@ def takes_of(table: str, style: str) -> dict[str, Knob]:
         return of(finished) | of(plotting.plotted)
     if table == "knobs":
         return styles.knobs(style)
-    functions: dict[str, Callable[..., Any]] = {"paper": layout.placed, "tone": layout.lit, "finish": finishing.finish}
+    functions: dict[str, Callable[..., Any]] = {
+        "paper": layout.placed,
+        "tone": layout.lit,
+        "inks": inking.steps,
+        "finish": finishing.finish,
+    }
     return of(functions[table])
 
 

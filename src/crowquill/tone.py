@@ -78,6 +78,7 @@ class Tone:
         canvas: shapely.Geometry | None = None,
         importance: Source | None = None,
         colour: bool = False,
+        toned: bool = False,
         max_pixels: int = MAX_PIXELS,
     ) -> Tone:
         """The Tone of a picture file, an open file or an array, on so many mm.
@@ -97,6 +98,7 @@ class Tone:
         importance      a picture file or an array of 0 to 1, white for what matters most; it is laid over the
                         picture before the crop, whatever its own size; transparent pixels in it are one half
         colour          keep the picture's colours too, inverted where it is; no other option of light changes them
+        toned           unless they are to go through all of these, channel by channel; "auto" leaves them as they are
 
         Transparent pixels lie on white, EXIF turns the picture upright, an ICC profile leads to sRGB. A float
         TIFF is scaled by its finite range, whatever the tone; NaN in it is no ink.
@@ -121,19 +123,24 @@ class Tone:
                 raise ValueError(f"an array of shape {whole.shape} is no coverage; give (rows, columns), at least one of each")
             part = window(whole.shape, crop)
             coverage = whole[part]
-        if local_contrast:
-            coverage = light.sharpened(coverage, local_contrast)
-        if invert:
-            coverage = 1 - coverage
-        if gamma != 1:
-            coverage = coverage**gamma
+
+        def changed(coverage: Array) -> Array:
+            if local_contrast:
+                coverage = light.sharpened(coverage, local_contrast)
+            coverage = 1 - coverage if invert else coverage
+            return coverage if gamma == 1 else coverage**gamma
+
+        coverage = changed(coverage)
         h, w = coverage.shape
         wish = None
         if importance is not None:
             wish, more = light.wished(importance, whole.shape, part, max_pixels)
             notes += tuple(f"importance: {note}" for note in more)
         rgb = light.on_white(cast(File, source), part, max_pixels) if colour and light.is_file(source) else None
-        rgb = 255 - rgb if invert and rgb is not None else rgb
+        if rgb is not None and toned:
+            rgb = light.toned(rgb, tone, black_point, white_point, changed)
+        elif rgb is not None and invert:
+            rgb = 255 - rgb
         loaded = cls(coverage, (WIDTH, WIDTH * h / w), importance=wish, notes=notes, rgb=rgb).fitted(width, height, fit)
         return loaded if canvas is None else replace(loaded, canvas=canvas)
 

@@ -140,10 +140,10 @@ def rings(black: shapely.Geometry) -> Paths:
 def _large(shape: shapely.Geometry, least: float = 0.0, hole: float = 0.0) -> shapely.Geometry:
     """The parts of a geometry that have an area of over `least`, without their holes of less than `hole`."""
     found = shapely.get_parts(shape)
-    return shapely.MultiPolygon([_filled(part, hole) for part in found if part.geom_type == "Polygon" and part.area > least])
+    return shapely.MultiPolygon([filled(part, hole) for part in found if part.geom_type == "Polygon" and part.area > least])
 
 
-def _filled(polygon: shapely.Polygon, least: float) -> shapely.Polygon:
+def filled(polygon: shapely.Polygon, least: float) -> shapely.Polygon:
     """A polygon without its holes of less than an area."""
     inner = shapely.get_rings(polygon)[1:]
     large = shapely.area(shapely.polygons(inner)) >= least if len(inner) else np.zeros(0, bool)

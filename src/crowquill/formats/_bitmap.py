@@ -121,8 +121,8 @@ def bands(sheet: Sheet, page: Page) -> Iterator[Bytes]:
     """The page's rows from the top, some at a time: codes of 0 to 255 (rows, width * channels), or eight bits to a byte, 1 black.
 
     Layers are painted from the bottom up, each over its share of the pixel: device codes, not light, so that half a
-    pixel of black is 128, and two grey dots that each leave half of it are 64. The corner of the page is the corner of a
-    pixel, and pixels are INCH / dpi mm, never stretched.
+    pixel of black is 128, and two grey dots that each leave half of it are 64. Inks that overprint are filters over
+    what is below. The corner of the page is the corner of a pixel, and pixels are INCH / dpi mm, never stretched.
     """
     side, layers = INCH / page.dpi, [layer for layer in sheet.layers if len(layer.art)]
     arts = [part for layer in layers for part in _parts(layer, side, page)]
@@ -136,7 +136,7 @@ def bands(sheet: Sheet, page: Page) -> Iterator[Bytes]:
                 cover = part.raster.rows(low, high)
                 if isinstance(part.raster, Greys) and not page.channels:
                     cover = (cover >= page.black_from).astype(np.float64)
-                _paint(value[low - top : high - top, part.left : part.right], cover, part.codes[:channels])
+                _paint(value[low - top : high - top, part.left : part.right], cover, part.codes[:channels], part.through)
         if page.channels:
             yield np.floor(value + 0.5).astype(np.uint8).reshape(bottom - top, -1)
         else:
@@ -145,7 +145,10 @@ def bands(sheet: Sheet, page: Page) -> Iterator[Bytes]:
 
 @dataclass(frozen=True)
 class _Part:
-    """What is painted in one colour, in codes of red, green and blue, and the pixels of the page it may lie on."""
+    """What is painted in one colour, in codes of red, green and blue, and the pixels of the page it may lie on.
+
+    through  what is below shows through
+    """
 
     raster: Raster | Pixels | Greys
     codes: Array
@@ -153,6 +156,7 @@ class _Part:
     top: int
     right: int
     bottom: int
+    through: bool = False
 
 
 def _parts(layer: Layer, side: float, page: Page) -> Iterator[_Part]:
@@ -164,7 +168,7 @@ def _parts(layer: Layer, side: float, page: Page) -> Iterator[_Part]:
             raster = Greys.of(layer.art, pixel=pixel, width=page.width)
         else:
             raster = ready(layer.art, pixel=pixel, width=page.width, pen=layer.ink.pen)
-        yield _Part(raster, np.array(layer.ink.rgb, np.float64), 0, 0, page.width, page.height)
+        yield _Part(raster, np.array(layer.ink.rgb, np.float64), 0, 0, page.width, page.height, layer.ink.overprint)
         return
     art, codes = outlined(layer.art), on_screen(layer.fill).astype(np.float64)
     for ring in np.flatnonzero(np.diff(art.start)).tolist():
@@ -177,16 +181,17 @@ def _parts(layer: Layer, side: float, page: Page) -> Iterator[_Part]:
             yield _Part(raster, codes[ring], left, top, right, bottom)
 
 
-def _paint(value: Array, cover: Array, codes: Array) -> None:
-    """Paints codes (channels,) over values (h, w, channels) where they cover."""
-    shared_out(lambda lo, hi: _over(value[lo:hi], cover[lo:hi], codes), len(value), 8)
+def _paint(value: Array, cover: Array, codes: Array, through: bool) -> None:
+    """Paints codes (channels,) over values (h, w, channels) where they cover, or lays them over as a filter."""
+    shared_out(lambda lo, hi: _over(value[lo:hi], cover[lo:hi], codes, through), len(value), 8)
 
 
 @compiled
-def _over(value: Array, cover: Array, codes: Array) -> None:
+def _over(value: Array, cover: Array, codes: Array, through: bool) -> None:
     for row in range(value.shape[0]):
         for column in range(value.shape[1]):
             share = cover[row, column]
             if share > 0:
                 for channel in range(value.shape[2]):
-                    value[row, column, channel] = value[row, column, channel] * (1 - share) + codes[channel] * share
+                    below, own = value[row, column, channel], codes[channel]
+                    value[row, column, channel] = below * (1 - share) + (own * below / 255 if through else own) * share

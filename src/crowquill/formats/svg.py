@@ -150,11 +150,13 @@ def _sayable(text: str) -> str:
 
 
 def _paint(ink: Ink) -> dict[str, str]:
-    """Fill or stroke attributes of a layer."""
+    """Fill or stroke attributes of a layer; what overprints is a filter over what is below, where a viewer knows of such."""
     colour = _hexadecimal(ink.rgb)
+    over = {"style": "mix-blend-mode:multiply"} if ink.overprint else {}
     if ink.pen is None:
-        return {"fill": colour, "stroke": "none"}
+        return {"fill": colour, "stroke": "none", **over}
     return {
+        **over,
         "fill": "none",
         "stroke": colour,
         "stroke-width": number(ink.pen * 1000),

@@ -58,9 +58,19 @@ def style(name: str) -> Callable[..., Work]:
     return function
 
 
+def says(name: str, what: str, otherwise: Any) -> Any:
+    """What a style's module says of it under this name, or else `otherwise`.
+
+    COLOUR  True: it draws by the picture's colours
+    INKS    False: it cannot draw one ink of several, nor white on black
+    turned  a function: of an ink of several its dots are not moved clear of others; these are its knobs, turned by so many degrees
+    """
+    return getattr(sys.modules[style(name).__module__], what, otherwise)
+
+
 def coloured(name: str) -> bool:
-    """Whether a style draws by the picture's colours: its module then says COLOUR = True."""
-    return bool(getattr(sys.modules[style(name).__module__], "COLOUR", False))
+    """Whether a style draws by the picture's colours."""
+    return bool(says(name, "COLOUR", False))
 
 
 def knobs(name: str) -> dict[str, Knob]:
@@ -100,10 +110,17 @@ def _recorded(name: str, tone: Tone, seed: int, chosen: dict[str, Any]) -> Work:
     import numpy as np
 
     sheet = yield from style(name)(tone, np.random.default_rng(seed), **chosen)
+    made = recipe(name, seed, chosen, sheet.size)
+    shared = {key: made[key] for key in ("style", "version", "seed", "art_mm")}
+    still = {"iterations": 0, "energy": 0.0, "movement": 0.0}  # of styles where nothing moves
+    return replace(sheet, recipe=made, report={**shared, **still, **sheet.report})
+
+
+def recipe(name: str, seed: int, values: Mapping[str, Any], size: tuple[float, float]) -> dict[str, Any]:
+    """What made a sheet of this size by itself, as plain data: a style, its knobs and a seed."""
+    chosen = checked(knobs(name), values, f"style {name}")
     kept = {key: list(value) if isinstance(value, tuple) else value for key, value in chosen.items() if value is not None}
-    recipe = {"style": name, "version": version("crowquill"), "seed": seed, "knobs": kept, "art_mm": list(sheet.size)}
-    shared = {"style": name, "version": recipe["version"], "seed": seed, "art_mm": list(sheet.size)}
-    return replace(sheet, recipe=recipe, report={**shared, **sheet.report})
+    return {"style": name, "version": version("crowquill"), "seed": seed, "knobs": kept, "art_mm": list(size)}
 
 
 def run(work: Generator[Step, None, Found], watch: Callable[[Step], None] | None = None) -> Found:

@@ -25,6 +25,7 @@ from crowquill.stippling import Clock, cut_white, snapped
 from crowquill.styles import Work
 from crowquill.tone import Tone
 
+INKS = False  # marks lie in the groups of the example, and its darks are reversed as it has them
 EXAMPLE = "hand"
 LEARNING = 40.0  # seconds, about, that a page of a few thousand dots takes
 SPEED = 40_000  # marks a second that are laid and measured
@@ -82,9 +83,6 @@ def draw(
         "ink_asked_mm2": asked.ink,
         "ink_placed_mm2": ink,
         "coverage_missing": max(0.0, 1 - ink / asked.ink) if asked.ink else 0.0,
-        "iterations": 0,
-        "energy": 0.0,
-        "movement": 0.0,
         "seconds": clock.laps,
     }
     report["warnings"] = _warnings(style, tone, report)

@@ -21,6 +21,7 @@ from crowquill.stippling import Clock, cut_white, expected_seconds, settled, wid
 from crowquill.styles import Work
 from crowquill.tone import Tone
 
+INKS = False  # lines through all of the canvas
 PEN = 0.15  # mm, between the fine technical pens of 0.13 and 0.18
 CAP = 0.85  # coverage; the white left in a cell is then 0.6 of the line's width across
 ROUNDS = 3  # of drawing, at most

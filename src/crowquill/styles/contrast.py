@@ -104,7 +104,7 @@ def draw(
     clock.lap("draw")
     report = _report(tone, tints, wanted, drawn, ground, grey)
     report |= {"dots_asked": dots, "pitch_mm": found.pitch, "g": [rule.more, rule.less], "glyphs": library.name}
-    report |= {"iterations": found.rounds, "energy": 0.0, "movement": 0.0, "seconds": clock.laps}
+    report |= {"iterations": found.rounds, "seconds": clock.laps}
     tone_gives = (pen is not None and dots is not None) or size_by == "published"
     report["warnings"] = _warnings(report, tone, width, tone_gives)
     layers = tuple(Layer(tint.ink, part.marks, tint.label) for tint, part in zip(tints, drawn, strict=True))

@@ -6,6 +6,7 @@ Source: R. Ulichney, Digital Halftoning, MIT Press 1987, for clustered dots; Gre
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -27,9 +28,15 @@ from crowquill.units import INCH
 EITHER = ("lpi", "pitch")  # of which one is enough: who types one means to do without what a recipe has of the other
 SHAPES = ("round", "euclidean", "ellipse", "diamond")
 LONG = 1.3  # the length of an ellipse over its width
+ANGLE = 45.0  # degrees, at which rows are seen least
 AREAS = np.arange(0.0, 3.01, 0.02)  # of a dot over its square: irregular ones close up beyond 2
 ROWS = 64  # of the lattice looked at together
 CLOSED = 1e-4  # of the paper: less white between dots is none
+
+
+def turned(knobs: Mapping[str, Any], by: float) -> dict[str, Any]:
+    """The knobs of the same lattice turned by so many degrees: for one ink of several."""
+    return {**knobs, "angle": (knobs.get("angle", ANGLE) + by + 90) % 180 - 90}
 
 
 def draw(
@@ -38,7 +45,7 @@ def draw(
     *,
     lpi: Annotated[float | None, Range(0.25, 1270, "", "dots to the inch, along their rows (50)")] = None,
     pitch: Annotated[float | None, Range(0.02, 101.6, "mm", "from dot to dot, in place of lpi")] = None,
-    angle: Annotated[float, Range(-180, 180, "", "degrees in which rows run, clockwise from level")] = 45.0,
+    angle: Annotated[float, Range(-180, 180, "", "degrees in which rows run, clockwise from level")] = ANGLE,
     phase: Annotated[tuple[float, ...] | None, Numbers(0, 1, "", "where the lattice lies, in pitches (by seed)", 2)] = None,
     shape: Annotated[
         str,
@@ -91,9 +98,6 @@ def draw(
         "coverage_missing": max(0.0, 1 - ink / tone.ink) if tone.ink else 0.0,
         "left_out_mm2": lost,
         "left_out": lost / tone.ink if tone.ink else 0.0,
-        "iterations": 0,
-        "energy": 0.0,
-        "movement": 0.0,
         "seconds": clock.laps,
     }
     report["warnings"] = _warnings(report, tone, min_dot)

@@ -90,8 +90,6 @@ def draw(
         "pitch_mm": ground.grid.cell,
         "glyphs": library.name,
         "iterations": len(placed.levels),
-        "energy": 0.0,
-        "movement": 0.0,
         "seconds": clock.laps,
     }
     report["warnings"] += _warnings(report, tone, plan, weight)

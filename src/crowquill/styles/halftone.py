@@ -93,9 +93,6 @@ def draw(
         "coverage_missing": max(0.0, 1 - ink / tone.ink) if tone.ink else 0.0,
         "overlap": overlap,
         "tone_error": error,
-        "iterations": 0,
-        "energy": 0.0,
-        "movement": 0.0,
         "seconds": clock.laps,
     }
     report["warnings"] = _warnings(report, tone)

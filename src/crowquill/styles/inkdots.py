@@ -107,9 +107,6 @@ def draw(
         "ink_placed_mm2": placed,
         "coverage_missing": max(0.0, 1 - placed / tone.ink) if tone.ink else 0.0,
         "out_of_reach": lost,
-        "iterations": 0,
-        "energy": 0.0,
-        "movement": 0.0,
         "seconds": clock.laps,
     }
     report["warnings"] = _warnings(report, tone, curve)

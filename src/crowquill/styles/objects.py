@@ -29,6 +29,7 @@ from crowquill.stippling import CAP, NOMINAL, RENDERED, Clock, allowed, cut_whit
 from crowquill.styles import Work
 from crowquill.tone import Tone
 
+INKS = False  # shapes make room for each other by their outlines, which moved dots would not
 SIZE = 2.0  # mm
 SPAN = (0.6, 1.4)  # smallest and largest objects over the size
 GAP = 0.03  # of the size, between objects side by side
@@ -301,12 +302,11 @@ def _measured(objects: Objects, plan: Plan) -> dict[str, Any]:
 def _warnings(report: dict[str, Any], plan: Plan, overlap: bool) -> list[str]:
     """What is to be said of the library, the ink and the room."""
     said = list(plan.library.notes)
-    missing = report["coverage_missing"]
     if not plan.asked.ink:
         said.append("no ink: the picture is white, or lighter than the white cutoff, where it may be drawn on")
     elif not report["marks"]:
         said.append(f"no objects: all the ink is less than a dot of 0.3 mm, or there is no room for objects of {plan.size:.4g} mm")
-    elif missing > 0.02:
+    elif (missing := report["coverage_missing"]) > 0.02:
         wish = "objects of other shapes or lighter tones would help" if overlap else "--overlap or lighter tones would help"
         said.append(f"{missing:.1%} of the ink asked for is not reached; {wish}")
     if report["size_mm"] < SHRUNK * report["size_planned_mm"]:

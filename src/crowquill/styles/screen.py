@@ -6,7 +6,7 @@ Source: G. Meisenbach, patent DE 22244, 1882; R. Ulichney, Digital Halftoning, M
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import combinations, pairwise
 from typing import Annotated, Any
@@ -37,7 +37,14 @@ BLOCK = 32  # lines worked out together
 LAP = 0.005  # mm that lines overlap where the gap between them is closed: where they only met, a device may show a hair of white
 SAMPLES = 1 << 18  # of three families of lines or more: three cover what is asked within 0.002, four within 0.004
 SHAPED = 300_000  # squares of two families that are rid of necks and slits: half a minute on a machine of 2024
+ANGLES = {True: (45.0,), False: (45.0, -45.0)}  # degrees, of one family, and of rules of two
 APART = 30.0  # degrees: lines that cross at less beat visibly
+
+
+def turned(knobs: Mapping[str, Any], by: float) -> dict[str, Any]:
+    """The knobs of the same lines turned by so many degrees: for one ink of several."""
+    angles = knobs.get("angles") or ANGLES[knobs.get("combine", "union") == "union"]
+    return {**knobs, "angles": tuple((angle + by + 90) % 180 - 90 for angle in angles)}
 
 
 def draw(
@@ -76,7 +83,7 @@ def draw(
              other numbers of families, and a ruling too fine for the canvas or for min_line and min_gap
     """
     clock = Clock()
-    angles = angles if angles is not None else (45.0,) if combine == "union" else (45.0, -45.0)
+    angles = angles or ANGLES[combine == "union"]
     p = ruling(lpi, pitch, tone, len(angles))
     _check(angles, combine, p, min_line, min_gap, pen)
     nib = None if pen is None else widest(tone, pen, pen)
@@ -114,9 +121,6 @@ def draw(
         "left_out": lost / tone.ink if tone.ink else 0.0,
         "closed_mm2": closed,
         "closed": closed / tone.ink if tone.ink else 0.0,
-        "iterations": 0,
-        "energy": 0.0,
-        "movement": 0.0,
         "seconds": clock.laps,
     }
     report["warnings"] = _warnings(report, tone, angles, least, min_gap)

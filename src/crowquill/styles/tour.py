@@ -20,6 +20,7 @@ from crowquill.stippling import Clock, allowed, cut_white, expected_seconds, set
 from crowquill.styles import Work
 from crowquill.tone import Tone
 
+INKS = False  # one line
 PEN = 0.2  # mm
 CAP = 0.9  # coverage; from there on strands of the line run into each other
 ROUNDS = 3  # of drawing, at most
