@@ -107,12 +107,12 @@ def test_after_a_level_no_pixel_is_further_than_the_radius_and_no_two_dots_neare
     begun = Placed.seeded(cost, held, 4, rng)
     found = begun.filled(cost, held, 5.0)
     assert found.far[held].max() <= 5.0 and held.ravel()[found.dots].all() and len(np.unique(found.dots)) == len(found.dots)
-    alone = np.full(cost.shape, np.inf)
+    alone = np.full(cost.shape, np.inf, np.float32)
     for dot in found.dots[4:]:  # from all others, by another road: the dots one by one
         others = Placed(found.dots[found.dots != dot], (), alone)
-        far = np.full(cost.shape, np.inf)
+        far = np.full(cost.shape, np.inf, np.float32)
         far.ravel()[others.dots] = 0
-        frontier._grown(cost, held, far, np.inf, others.dots.astype(np.int32), np.empty(0, np.int64))
+        frontier._grown(cost.astype(np.float32), held, far, np.inf, others.dots.astype(np.int32), np.empty(0, np.int64))
         assert far.ravel()[dot] > 4.0  # beyond 5 where it was placed; another may have come from behind by a step
 
 

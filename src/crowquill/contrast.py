@@ -25,8 +25,9 @@ TONES = np.array([0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8
 MIDDLE = 0.5
 SIDE, EDGE = 56, 8  # pixels of a patch whose ink counts, and to either side of it of the same tone
 AREAS, HALVINGS = (0.2, 60.0), 9  # pixels between which the area of a dot is sought, to a hundredth
-MOST = 12_000_000  # pixels: a gigabyte
-ROUNDS, NEAR = 10, 0.01  # of a search for a number of dots: how many, and what error ends it
+MOST = 12_000_000  # pixels: two thirds of a gigabyte
+ROUNDS, NEAR = 24, 0.01  # of a search for a number of dots: how many, and what error ends it; thousands take two or three
+EASED = 4  # rounds, from which on steps are shorter: chance moves small numbers by percents, and whole steps would go in a ring
 Bits = npt.NDArray[np.bool_]
 
 
@@ -169,9 +170,9 @@ def diffused(wanted: tuple[Wanted, ...], pitch: float, rule: Diffusing) -> Found
     sets = []
     for part in wanted:
         grid = Grid.of(part.tone, pitch)
-        coverage, held = grid.asked(0, grid.rows)
-        held &= (coverage >= part.white) & (coverage > 0)
-        coverage = np.minimum(coverage, CAP)
+        mean, held = grid.whole()
+        held &= (mean >= part.white) & (mean > 0)
+        coverage = np.minimum(mean.astype(np.float64), CAP)
         coverage = coverage if part.texture is None else part.texture.on(coverage, grid)
         sets.append(Set(grid, coverage, rule.black(coverage, np.random.default_rng(part.seed), held)))
     return Found(tuple(sets), pitch, rule)
@@ -192,6 +193,6 @@ def by_pitch(wanted: tuple[Wanted, ...], dots: int, pitch: float, rule: Diffusin
         yield Step("diffuse", turn + 1, ROUNDS, {"dots": found.count})
         if abs(best.count - dots) <= NEAR * dots or (pitch == finest and found.count < dots) or (pitch == widest and found.count > dots):
             break
-        pitch *= float(np.clip(np.sqrt(found.count / dots), 0.5, 2.0))
+        pitch *= float(np.clip((found.count / dots) ** (0.5 if turn < EASED else 0.3), 0.5, 2.0))
     assert best is not None
     return replace(best, rounds=turn + 1)

@@ -22,6 +22,8 @@ NEAR = 0.01  # of the number, by which the last level may have too many, which a
 FAINT = 1e-6  # of a gradient or a deviation: below, it is rounding
 LEAST = 0.02  # of the mean cost, added everywhere
 Bits = npt.NDArray[np.bool_]
+Ways = npt.NDArray[np.float32]  # pictures are large: half the memory, and faster by it
+Pixels = Array | Ways
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,20 +33,20 @@ class Placed:
 
     dots: Index
     levels: tuple[int, ...]
-    far: Array
+    far: Ways
 
     @classmethod
-    def seeded(cls, cost: Array, held: Bits, seeds: int, rng: np.random.Generator) -> Placed:
+    def seeded(cls, cost: Pixels, held: Bits, seeds: int, rng: np.random.Generator) -> Placed:
         """So many first dots, by chance in proportion to their cost among the pixels held; fewer where there are fewer."""
-        share = np.where(held, cost, 0.0).ravel()
+        share = np.where(held, np.asarray(cost, np.float64), 0.0).ravel()
         n = min(seeds, int(np.count_nonzero(share)))
         dots = rng.choice(share.size, n, replace=False, p=share / share.sum()) if n else np.zeros(0, np.int64)
-        far = np.full(cost.shape, np.inf)
+        far = np.full(cost.shape, np.inf, np.float32)
         far.ravel()[dots] = 0.0
-        _grown(cost, held, far, np.inf, dots.astype(np.int32), np.empty(0, np.int64))
+        _grown(np.asarray(cost, np.float32), held, far, np.inf, dots.astype(np.int32), np.empty(0, np.int64))
         return cls(dots, (n,), far)
 
-    def filled(self, cost: Array, held: Bits, radius: float) -> Placed:
+    def filled(self, cost: Pixels, held: Bits, radius: float) -> Placed:
         """More dots, until no pixel held is further than the radius from one.
 
         The pixel next beyond the radius becomes a dot, its distance 0, and those around come nearer; so dots line up along
@@ -52,7 +54,7 @@ class Placed:
         """
         far, found = self.far.copy(), np.empty(cost.size, np.int64)
         beyond = np.flatnonzero(held & (far > radius)).astype(np.int32)
-        n = _grown(cost, held, far, radius, beyond, found)
+        n = _grown(np.asarray(cost, np.float32), held, far, radius, beyond, found)
         more = _evenly(found[:n], cost.shape[1])
         return Placed(np.concatenate([self.dots, more]), (*self.levels, len(self.dots) + n), far)
 
@@ -61,7 +63,7 @@ class Placed:
         return Placed(self.dots[:n], tuple(min(level, n) for level in self.levels), self.far)
 
 
-def tonal(demand: Array, coverage: Array, edges: float) -> Array:
+def tonal(demand: Pixels, coverage: Pixels, edges: float) -> Pixels:
     """Costs (h, w) by which dots lie as densely as the demand, and more densely at edges of the coverage, both 0 to 1.
 
     edges  1 doubles the cost where the gradient is greatest
@@ -70,7 +72,7 @@ def tonal(demand: Array, coverage: Array, edges: float) -> Array:
     return np.asarray(np.sqrt(demand) * (1 + edges * slope / max(float(slope.max()), FAINT)))
 
 
-def published(coverage: Array, edges: float) -> Array:
+def published(coverage: Pixels, edges: float) -> Pixels:
     """Costs (h, w) that are darkness and gradient, each over its own deviation, the gradient `edges` times, and a little everywhere.
 
     Dots lie as densely as the square of this: a tone twice as dark has four times as many. What deviates nowhere is left out.
@@ -81,14 +83,14 @@ def published(coverage: Array, edges: float) -> Array:
     return np.asarray(cost + LEAST * cost.mean())
 
 
-def _slope(coverage: Array) -> Array:
+def _slope(coverage: Pixels) -> Pixels:
     """The gradient's length at each pixel (h, w), per pixel; along a side of one pixel there is none."""
     return np.asarray(
         np.hypot(*(np.gradient(coverage, axis=axis) if n > 1 else np.zeros_like(coverage) for axis, n in enumerate(coverage.shape)))
     )
 
 
-def levels(cost: Array, held: Bits, n: int, seeds: int, rng: np.random.Generator) -> Iterator[Placed]:
+def levels(cost: Pixels, held: Bits, n: int, seeds: int, rng: np.random.Generator) -> Iterator[Placed]:
     """Placed dots after each level, with n at the end: the radius shrinks by the root of two, and the last one is searched for.
 
     cost  (h, w) over 0: dots lie as densely as its square
@@ -135,7 +137,7 @@ def _evenly(pixels: Index, columns: int) -> Index:
 
 
 @compiled
-def _grown(cost: Array, held: Bits, far: Array, radius: float, first: Small, found: Index) -> int:
+def _grown(cost: Ways, held: Bits, far: Ways, radius: float, first: Small, found: Index) -> int:
     """Lets distances grow from the pixels of `first`, and makes a dot of each held one beyond the radius, the nearest first.
 
     far    (h, w) distances, which are changed
@@ -143,7 +145,7 @@ def _grown(cost: Array, held: Bits, far: Array, radius: float, first: Small, fou
     """
     h, w = cost.shape
     weight, may, distance = cost.ravel(), held.ravel(), far.ravel()
-    key, item, place = np.empty(h * w), np.empty(h * w, np.int32), np.full(h * w, -1, np.int32)
+    key, item, place = np.empty(h * w, np.float32), np.empty(h * w, np.int32), np.full(h * w, -1, np.int32)
     size, n = len(first), 0
     for k in range(size):
         key[k], item[k] = distance[first[k]], first[k]
@@ -160,7 +162,7 @@ def _grown(cost: Array, held: Bits, far: Array, radius: float, first: Small, fou
             for c in range(max(0, x - 1), min(w, x + 2)):
                 other = r * w + c
                 length = 1.0 if r == y or c == x else 1.4142135623730951
-                due = distance[pixel] + length * (weight[pixel] + weight[other]) / 2
+                due = np.float32(distance[pixel] + length * (weight[pixel] + weight[other]) / 2)
                 if due < distance[other]:
                     distance[other] = due
                     at = place[other]

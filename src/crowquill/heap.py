@@ -6,18 +6,21 @@ Things are numbers from 0. `key` (m,) and `item` (m,) hold the heap from its roo
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
 from crowquill.kernel import compiled
-from crowquill.paths import Array
 
+Key = float | np.floating[Any]
+Keys = npt.NDArray[np.floating[Any]]
 Small = npt.NDArray[np.int32]
 CHILDREN = 4
 
 
 @compiled
-def ordered(key: Array, item: Small, place: Small, size: int) -> None:
+def ordered(key: Keys, item: Small, place: Small, size: int) -> None:
     """Makes a heap of the first `size` keys and items, in whatever order they are."""
     for at in range(size):
         place[item[at]] = at
@@ -26,7 +29,7 @@ def ordered(key: Array, item: Small, place: Small, size: int) -> None:
 
 
 @compiled
-def risen(key: Array, item: Small, place: Small, at: int, least: float, thing: int) -> None:
+def risen(key: Keys, item: Small, place: Small, at: int, least: Key, thing: int) -> None:
     """Puts a thing where its key belongs, from a place of the heap, free or its own, towards the root: its key has not grown."""
     while at > 0:
         above = (at - 1) // CHILDREN
@@ -39,7 +42,7 @@ def risen(key: Array, item: Small, place: Small, at: int, least: float, thing: i
 
 
 @compiled
-def sunk(key: Array, item: Small, place: Small, size: int, at: int, most: float, thing: int) -> None:
+def sunk(key: Keys, item: Small, place: Small, size: int, at: int, most: Key, thing: int) -> None:
     """Puts a thing where its key belongs, from a place of a heap of `size`, free or its own, away from the root: it has not shrunk."""
     while True:
         first = CHILDREN * at + 1
@@ -58,7 +61,7 @@ def sunk(key: Array, item: Small, place: Small, size: int, at: int, most: float,
 
 
 @compiled
-def taken(key: Array, item: Small, place: Small, size: int) -> int:
+def taken(key: Keys, item: Small, place: Small, size: int) -> int:
     """The thing with the least key, which is taken out of a heap of `size`: the caller counts one less."""
     thing = int(item[0])
     place[thing] = -1

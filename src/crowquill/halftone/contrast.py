@@ -16,10 +16,11 @@ from crowquill.kernel import compiled
 from crowquill.paths import Array, Index
 
 Bits = npt.NDArray[np.bool_]
+Levels = npt.NDArray[np.float32]  # pictures are large: half the memory, and faster by it
 ORDERS = ("priority", "raster")
 EXPONENT = {"priority": 2.0, "raster": 2.6}  # as published
 WHITE, HALF = 255.0, 127.0  # levels: black is 0, and a pixel of HALF or less becomes black
-CHANCE = 1e-4  # levels by which chance parts pixels of one priority
+CHANCE = 1e-3  # levels by which chance parts pixels of one priority
 
 
 @dataclass(frozen=True)
@@ -59,15 +60,15 @@ class Diffusing:
         share = np.asarray(coverage, np.float64)
         if share.ndim != 2 or (share.size and not 0 <= share.min() <= share.max() <= 1):
             raise ValueError(f"coverage has shape {share.shape} and must run from 0 to 1; give rows by columns of shares")
-        level = WHITE * (1 - share)
-        radius = self.radii[0] + (self.radii[1] - self.radii[0]) * share
-        ink = self.extra * (np.pi * radius**2 - 1)
-        taking = np.ones(share.shape, bool) if held is None else np.asarray(held, bool)
+        level = (WHITE * (1 - share)).astype(np.float32)
+        if held is not None:
+            level[~np.asarray(held, bool)] = -1
         black = np.zeros(share.shape, np.bool_)
-        if taking.any():
-            loop = _by_priority if self.order == "priority" else _by_row
-            chance = CHANCE * rng.random(share.shape)
-            loop(np.where(taking, level, -1.0), radius**self.more, radius**-self.less, ink, *self._disc(), chance, black)
+        law = np.array([*self.radii, self.more, self.less, self.extra])
+        if self.order == "raster":
+            _by_row(level, share, law, *self._disc(), black)
+        else:
+            _by_priority(level, share, law, *self._disc(), CHANCE * rng.random(share.shape, np.float32), black)
         return black
 
     def _disc(self) -> tuple[Index, Index, Array]:
@@ -81,26 +82,23 @@ class Diffusing:
 
 
 @compiled
-def _by_row(level: Array, up: Array, down: Array, ink: Array, row: Index, column: Index, near: Array, _: Array, black: Bits) -> None:
-    """Fills `black`, row by row; `level` is -1 for pixels that are done or take no part."""
+def _by_row(level: Levels, share: Array, law: Array, row: Index, column: Index, near: Array, black: Bits) -> None:
+    """Fills `black`, row by row; `level` is -1 for pixels that are done or take no part, `law` what Diffusing says of errors."""
     at, weight = np.empty(len(near), np.int64), np.empty(len(near))
     flat = level.ravel()
     for pixel in range(flat.size):
-        if flat[pixel] < 0:
-            continue
-        error = _decided(pixel, flat, up, down, ink, black)
-        _shared(pixel, error, level, row, column, near, at, weight)
+        if flat[pixel] >= 0:
+            error = _decided(pixel, flat, share, law, black)
+            _shared(pixel, error, level, row, column, near, at, weight)
 
 
 @compiled
-def _by_priority(
-    level: Array, up: Array, down: Array, ink: Array, row: Index, column: Index, near: Array, chance: Array, black: Bits
-) -> None:
+def _by_priority(level: Levels, share: Array, law: Array, row: Index, column: Index, near: Array, chance: Levels, black: Bits) -> None:
     """Fills `black`, always the pixel that is nearest to black or white next; its neighbours' places in the order change with them."""
     flat, tie = level.ravel(), chance.ravel()
     n = flat.size
     at, weight = np.empty(len(near), np.int64), np.empty(len(near))
-    key, item, place = np.empty(n), np.empty(n, np.int32), np.full(n, -1, np.int32)
+    key, item, place = np.empty(n, np.float32), np.empty(n, np.int32), np.full(n, -1, np.int32)
     size = 0
     for pixel in range(n):
         if flat[pixel] >= 0:
@@ -110,10 +108,10 @@ def _by_priority(
     while size > 0:
         pixel = taken(key, item, place, size)
         size -= 1
-        error = _decided(pixel, flat, up, down, ink, black)
+        error = _decided(pixel, flat, share, law, black)
         for k in range(_shared(pixel, error, level, row, column, near, at, weight)):
             other = at[k]
-            due, where = min(flat[other], WHITE - flat[other]) + tie[other], place[other]
+            due, where = np.float32(min(flat[other], WHITE - flat[other]) + tie[other]), place[other]
             if due < key[where]:
                 risen(key, item, place, where, due, other)
             else:
@@ -121,18 +119,20 @@ def _by_priority(
 
 
 @compiled
-def _decided(pixel: int, level: Array, up: Array, down: Array, ink: Array, black: Bits) -> float:
+def _decided(pixel: int, level: Levels, share: Array, law: Array, black: Bits) -> float:
     """Makes a pixel black or leaves it white, and gives the error that its neighbours are to have, over 0 if they become lighter."""
-    value = level[pixel]
-    level[pixel] = -1.0
+    low, high, more, less, extra = law
+    value = float(level[pixel])
+    level[pixel] = -1
+    radius = low + (high - low) * share.ravel()[pixel]
     if value > HALF:
-        return float((value - WHITE) * down.ravel()[pixel])
+        return float((value - WHITE) * radius**-less)
     black.ravel()[pixel] = True
-    return float((value + ink.ravel()[pixel]) * up.ravel()[pixel]) if value > 0 else 0.0
+    return float((value + extra * (np.pi * radius**2 - 1)) * radius**more) if value > 0 else 0.0
 
 
 @compiled
-def _shared(pixel: int, error: float, level: Array, row: Index, column: Index, near: Array, at: Index, weight: Array) -> int:
+def _shared(pixel: int, error: float, level: Levels, row: Index, column: Index, near: Array, at: Index, weight: Array) -> int:
     """Shares an error out among the pixels around, and gives the number of those that it reached, which `at` lists.
 
     Each takes its part by how near it is and how far it still is from where the error leads: a dark pixel is not made lighter

@@ -77,12 +77,12 @@ def draw(
     texture    moves each pixel towards black or white by its rank: the mean over it is the tone
     ground     "black" is filled, and its dots are white; "grey" is a tint, "toned" paper that has it, with black dots where the
                picture is darker and white ones where it is lighter
-    no ink     an empty sheet and a warning. Raises ValueError for a texture-width without texture, a pen wider than the canvas,
-               more than max_dots, and more pixels than go into a gigabyte
+    no ink     an empty sheet and a warning. Raises ValueError for a texture_width without texture, a pen wider than the canvas,
+               more than max_dots, and more pixels than 12 million
     """
     clock = Clock()
     if texture is None and texture_width is not None:
-        raise ValueError(f"texture-width {texture_width:g} mm is of no use without a texture; give one, or leave it out")
+        raise ValueError(f"texture_width {texture_width:g} mm is of no use without a texture; give one, or leave it out")
     given = [power for power in (g_plus, g_minus) if power is not None] or [G]
     rule = Diffusing(order, mask, exponent, given[0], given[-1], k, (1.0, 2.0) if radii is None else (radii[0], radii[1]))
     weave = None if texture is None else Texture(1 - picture.decoded(texture), texture_width, texture_strength)

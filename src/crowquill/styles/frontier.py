@@ -14,11 +14,10 @@ import numpy.typing as npt
 
 from crowquill import frontier, measure
 from crowquill import glyphs as libraries
-from crowquill.frontier import Placed
+from crowquill.frontier import Placed, Ways
 from crowquill.grid import Grid
 from crowquill.knobs import Choice, Range, Text
 from crowquill.marks import Glyph, Marks
-from crowquill.paths import Array
 from crowquill.sheet import Ink, Layer, Sheet, Step
 from crowquill.stippling import Clock, Plan, allowed, dotted, found, planned, snapped
 from crowquill.styles import Work
@@ -29,7 +28,7 @@ EITHER = ("pen", "dots")  # of which one is enough
 RENDERED = np.array([0.0, 0.1995, 0.3977, 0.4937, 0.5786, 0.6621, 0.7319, 0.7901, 0.8385, 0.8788, 0.9092, 0.9357, 0.953])
 FINE = 4.5  # pixels from dot to dot where they lie most densely
 SEEN = 250_000  # pixels, as many of the picture's as are looked at whatever the number of dots
-MOST = 12_000_000  # pixels: half a gigabyte
+MOST = 8_000_000  # pixels: half a gigabyte
 JITTER = 0.4  # of a pixel, each way: hides the grid
 OFF, SIZED = (0.97, 1.03), (0.8, 1.25)  # times the planned diameter that dots may be, with a pen and without
 LEAST = 0.005  # of the mean cost: no way is free
@@ -101,7 +100,7 @@ class Ground:
     """Pixels on which dots are placed: their grid, what a way across each costs (rows, columns), and which may have a dot."""
 
     grid: Grid
-    cost: Array
+    cost: Ways
     held: Bits
 
 
@@ -111,23 +110,23 @@ def _ground(tone: Tone, plan: Plan, weight: str, edges: float, noise: float, rng
     densest = plan.dots * float(demand.coverage.max()) / max(demand.ink, np.finfo(float).tiny)  # dots to the mm^2
     pitch = min(1 / (FINE * np.sqrt(densest)) if densest else np.inf, np.sqrt(area / min(tone.coverage.size, SEEN)), tone.across)
     grid = Grid.of(demand, max(float(pitch), float(np.sqrt(area / MOST))))
-    wanted, held = grid.asked(0, grid.rows)
+    wanted, held = grid.whole()
     seen = _seen(tone, grid)
     held &= (wanted > 0) & ~_under(plan.white, grid)
     cost = frontier.tonal(wanted, seen, edges) if weight == "tone" else frontier.published(seen, edges)
     mean = float(cost[held].mean()) if held.any() else 1.0
-    cost = np.where(held, np.maximum(cost, LEAST * mean), mean)  # no short way across white, which would join all its borders
-    return Ground(grid, cost * rng.uniform(1 - noise, 1 + noise, cost.shape), held)
+    cost = np.where(held, np.maximum(cost, LEAST * mean), mean).astype(np.float32)  # no short way across white: it would join its borders
+    return Ground(grid, cost * (1 + noise * (2 * rng.random(cost.shape, np.float32) - 1)), held)
 
 
-def _seen(tone: Tone, grid: Grid) -> Array:
+def _seen(tone: Tone, grid: Grid) -> Ways:
     """The picture on a grid, whose slopes are its edges: means of finer pixels, straight lines between coarser ones, no canvas."""
     from PIL import Image
 
     if max(tone.pixel) <= grid.cell:
-        return replace(grid, tone=Tone(tone.coverage, tone.size)).asked(0, grid.rows)[0]
+        return replace(grid, tone=Tone(tone.coverage, tone.size)).whole()[0]
     image = Image.fromarray(tone.coverage.astype(np.float32))
-    return np.asarray(image.resize((grid.columns, grid.rows), Image.Resampling.BILINEAR), np.float64)
+    return np.asarray(image.resize((grid.columns, grid.rows), Image.Resampling.BILINEAR), np.float32)
 
 
 def _under(white: Bits, grid: Grid) -> Bits:
