@@ -83,6 +83,8 @@ def main(quick: bool) -> None:
     sites = sites[hilbert.of_points(sites)]
     partition = cells.voronoi(sites, canvas)
     row("cells.voronoi", seconds(lambda: cells.voronoi(sites, canvas)), d)
+    weights = rng.random(SITES) * 0.1
+    row("cells.power, weights of a cell's area", seconds(lambda: cells.power(sites, weights, canvas)), d)
     row("moments.of_tone, 1 Mpx", seconds(lambda: moments.of_tone(partition, small)), d)
     one = seconds(lambda: iteration(sites, canvas, small))
     many = seconds(lambda: iteration(sites, canvas, large))
@@ -94,6 +96,7 @@ def main(quick: bool) -> None:
     row("python -c 'import numpy'", bare, d)
     row("crowquill --help", told, d, f"{told[0] / bare[0]:.2f} times import numpy; bar 2")
     halftoned(d)
+    stippled(small, d)
     settled(small, d)
     mosaics(d)
     aligned(d)
@@ -133,6 +136,14 @@ def halftoned(d: float) -> None:
     for method in ("floyd-steinberg", "ostromoukhov"):
         ours = seconds(partial(halftone.halftoned, levels, method), 3)
         row(f"halftoned, {method}, 16 Mpx", ours, d, f"{ours[0] / theirs[0]:.2f} times Pillow; bar 3")
+
+
+def stippled(tone: Tone, d: float) -> None:
+    """Whole drawings of 20 000 dots on 1 Mpx, in the three styles of even dots."""
+    pen = crowquill.draw("stipple", tone, dots=20_000, iterations=0).report["pen_mm"]
+    for style, bar in (("stipple", ""), ("adaptive", "bar 10 D"), ("bluenoise", "bar 60 D")):
+        work = partial(crowquill.draw, style, tone, pen=pen)
+        row(f"{style}, {len(work().marks)} dots, 1 Mpx", seconds(work, 2), d, bar)
 
 
 def settled(tone: Tone, d: float) -> None:

@@ -97,10 +97,9 @@ def relaxed(sites: npt.ArrayLike, tone: Tone, *, step: float = 1.3, banned: npt.
     shares = equal(sites, tone, until=NEARLY, rounds=ROUNDS // 6)
     done = 0
     while True:
-        yield State.of(done, shares.sites, shares.cells, shares.moments, shares=shares)
-        way = shares.moments.centroid - shares.sites
-        moved = relax.held(tone, banned, shares.sites + step * way, shares.moments.centroid, shares.sites)
-        shares = equal(moved, tone, shares.weights, until=NEARLY, rounds=ROUNDS // 6)
+        state = State.of(done, shares.sites, shares.cells, shares.moments, shares=shares)
+        yield state
+        shares = equal(relax.moved(state, tone, step=step, banned=banned), tone, shares.weights, until=NEARLY, rounds=ROUNDS // 6)
         done += 1
 
 

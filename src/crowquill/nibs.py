@@ -105,7 +105,6 @@ def inked(
         "seconds": clock.laps,
         **_told(batches),
     }
-
     # the finest first: over a broad nib's wet ink it would drag
     drawn = [batch for batch in batches if len(batch.marks)] or batches[:1]
     layers = tuple(Layer(Ink(), batch.marks, f"{batch.pen:.4g} mm" if nibs.mixed else "") for batch in drawn)

@@ -7,12 +7,12 @@ An Algorithm for Vector Quantizer Design, IEEE Trans. Communications 28, 1980.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from crowquill import cells, moments, relax
+from crowquill import moments, relax
 from crowquill.paths import Array, Index, frozen
 from crowquill.tone import Tone
 
@@ -72,18 +72,15 @@ def _states(
     weight = tone if exponent == 1 else tone.mapped(lambda coverage: coverage**exponent)
     done = 0
     while True:
-        parts = cells.voronoi(sites, tone.canvas)
-        if (np.diff(parts.first) == 0).any():
-            sites = relax.parted(sites, parts, tone, banned)
-            parts = cells.voronoi(sites, tone.canvas)
-        ink = moments.of_tone(parts, tone)
-        middle = ink if weight is tone else moments.of_tone(parts, weight)
+        now = relax.measured(sites, tone, tone, done=done, banned=banned)
+        sites, ink = now.sites, now.moments
+        middle = ink if weight is tone else moments.of_tone(now.cells, weight)
         parting, going = _chosen(ink.mass / share, band[0] + band[1] * done, round(tone.ink / share) if exact else None)
-        yield State.of(done, sites, parts, ink, parting=len(parting), going=len(going))
+        yield State.of(done, sites, now.cells, ink, parting=len(parting), going=len(going))
         if not exact and not len(parting) and not len(going):
             return
-        moved = relax.held(tone, banned, sites + step * (middle.centroid - sites), middle.centroid, sites)
-        halves = [relax.held(tone, banned, half, sites[parting]) for half in _halves(middle, parts.areas, parting, rng)]
+        moved = relax.moved(replace(now, moments=middle), tone, step=step, banned=banned)
+        halves = [relax.held(tone, banned, half, sites[parting]) for half in _halves(middle, now.cells.areas, parting, rng)]
         moved[parting] = halves[0]
         order = np.argsort(np.concatenate([np.arange(len(sites)), parting]), kind="stable")
         stay = np.ones(len(order), bool)
