@@ -90,7 +90,8 @@ def test_what_is_drawn_is_black_alone_and_the_same_again():
 
 @pytest.mark.parametrize("coverage", [0.64, 0.85])
 def test_white_marks_are_holes_and_rings_do_not_cross(coverage):
-    areas = next(layer.art for layer in flat(coverage).layers if not isinstance(layer.art, Marks))
+    drawing = crowquill.draw("byexample", Tone(np.full((9, 9), coverage), (18, 18)))
+    areas = next(layer.art for layer in drawing.layers if not isinstance(layer.art, Marks))
     assert (areas.areas < 0).sum() > 300
     inner = np.array([shapely.Polygon(ring) for ring in areas])
     assert shapely.is_valid(inner).all()  # none crosses itself
