@@ -17,8 +17,8 @@ from crowquill.sheet import shifted
 from crowquill.texture import curves
 
 
-def make() -> Sheet:
-    tone = Tone.load(Path(__file__).with_name("specimen.png"), width=84)
+def make(width: float = 84) -> Sheet:
+    tone = Tone.load(Path(__file__).with_name("specimen.png"), width=width)
     flat, grid = Tone(np.full((9, 9), 0.3), (30, 30)), (900, 900)
     pen = float(2 * np.sqrt(exemplar.load("hand").black.area / np.pi))
     layers = []

@@ -16,9 +16,9 @@ from crowquill import Layer, Sheet, Tone, draw, save
 from crowquill.sheet import shifted
 
 
-def make() -> Sheet:
+def make(width: float = 58) -> Sheet:
     specimen = Path(__file__).with_name("specimen.png")
-    plain, crisp = (Tone.load(specimen, width=58, local_contrast=contrast) for contrast in (0, 0.7))
+    plain, crisp = (Tone.load(specimen, width=width, local_contrast=contrast) for contrast in (0, 0.7))
     layers = []
     with TemporaryDirectory() as folder:
         mask = Path(folder, "mask.png")

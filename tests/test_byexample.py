@@ -81,16 +81,17 @@ def test_marks_are_as_large_as_in_the_example_whatever_the_size_of_the_drawing()
 
 
 def test_what_is_drawn_is_black_alone_and_the_same_again():
-    one, same = (crowquill.to_bytes(drawing, "svg") for drawing in (flat(0.64), flat.__wrapped__(0.64)))
-    assert one == same
-    assert {layer.ink.cmyk for layer in flat(0.64).layers} == {(0, 0, 0, 1)}
-    pixels = np.asarray(Image.open(io.BytesIO(crowquill.to_bytes(flat(0.64), "png", bilevel=True))).convert("L"))
+    one, same = (crowquill.draw("byexample", Tone(np.full((9, 9), 0.64), (12, 12)), seed=2) for _ in range(2))
+    assert crowquill.to_bytes(one, "svg") == crowquill.to_bytes(same, "svg")
+    assert {layer.ink.cmyk for layer in one.layers} == {(0, 0, 0, 1)}
+    pixels = np.asarray(Image.open(io.BytesIO(crowquill.to_bytes(one, "png", bilevel=True))).convert("L"))
     assert np.unique(pixels).tolist() == [0, 255]
 
 
 @pytest.mark.parametrize("coverage", [0.64, 0.85])
 def test_white_marks_are_holes_and_rings_do_not_cross(coverage):
-    areas = next(layer.art for layer in flat(coverage).layers if not isinstance(layer.art, Marks))
+    drawing = crowquill.draw("byexample", Tone(np.full((9, 9), coverage), (18, 18)))
+    areas = next(layer.art for layer in drawing.layers if not isinstance(layer.art, Marks))
     assert (areas.areas < 0).sum() > 300
     inner = np.array([shapely.Polygon(ring) for ring in areas])
     assert shapely.is_valid(inner).all()  # none crosses itself

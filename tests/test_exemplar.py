@@ -46,12 +46,12 @@ def plate(tmp_path_factory: pytest.TempPathFactory) -> str:
     """A drawing that nobody prepared: a stippled wedge, scanned askew in uneven light, noisy, yellow, smudged, the lid's shadow on it."""
     y, x = np.indices((60, 80)) / 60
     wedge = np.clip(0.05 + 0.5 * np.round(4 * x / 1.34) / 4 - 0.1 * (np.hypot(x - 0.3, y - 0.8) < 0.15), 0, 1)
-    marks = draw("stipple", Tone(wedge, (48, 32)), pen=0.35).marks
-    code = ndimage.rotate(codes(page(marks.moved((2, 2)), size=(52, 36))), 1.7, reshape=False, order=1, mode="nearest")
+    marks = draw("stipple", Tone(wedge, (48, 20)), pen=0.35).marks
+    code = ndimage.rotate(codes(page(marks.moved((2, 2)), size=(52, 24))), 1.7, reshape=False, order=1, mode="nearest")
     code *= 1 - 0.1 * np.linspace(0, 1, code.shape[1])
     code[:, :18] *= np.linspace(0.3, 1, 18)
     y, x = np.indices(code.shape)
-    code -= 0.08 * np.exp(-(((x - 900) / 120) ** 2) - ((y - 100) / 60) ** 2)
+    code -= 0.08 * np.exp(-(((x - 900) / 120) ** 2) - ((y - 60) / 40) ** 2)
     noisy = code + np.random.default_rng(0).normal(0, 0.01, code.shape)
     path = tmp_path_factory.mktemp("scan") / "plate.png"
     rgb = np.clip(noisy[:, :, None] * (1, 0.97, 0.82), 0, 1)
@@ -217,7 +217,7 @@ def test_marks_and_tones_are_learned_from_a_drawing_that_nobody_prepared(taught)
 
 def test_what_was_learned_from_it_draws_and_is_learned_once(plate, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(exemplar, "BLACK", 4000)  # marks of a tile: a fifth of the time
+    monkeypatch.setattr(exemplar, "BLACK", 3000)  # marks of a tile: a sixth of the time
     ramp = Tone(np.tile(np.linspace(0, 0.9, 60), (40, 1)), (30, 20))
     stages, drawings = [], []
     for _ in range(2):

@@ -213,3 +213,10 @@ def test_a_file_without_strokes_is_refused(inside):
 def test_values_between_centres_are_straight():
     ramp = Distances(np.arange(4.0).reshape(1, 4), (4.0, 1.0))
     assert ramp.at([(0.5, 0.5), (1.25, 0.1), (3.5, 0.9), (9, 9)]) == pytest.approx([0, 0.75, 3, 3])
+
+
+def test_edges_do_not_hang_on_how_fine_the_pixels_are_below_their_blur():
+    y, x = np.indices((1500, 1500)) / 50 + 0.01
+    fine = Tone(np.where(np.hypot(x - 15, y - 15) < 9, 0.7, 0.0), (30, 30))
+    (ring,) = field.edges(fine, 1.2)
+    assert np.hypot(*(ring - 15).T).mean() == pytest.approx(9 - 1.2**2 / 18, abs=2e-3) and len(ring) < 400

@@ -23,6 +23,7 @@ SCRIPTS = sorted(GALLERY.glob("*.py"))
 # at their own sizes, in mm, they take ten seconds and more
 SMALLER = {"plate": {"width": 50.0}, "sizes": {"width": 50.0}, "duotone": {"width": 50.0}}
 SMALLER |= {"figure_3_11": {"width": 40.0}, "figure_3_12": {"tile": 5.0}, "mixed_plate": {"tile": 4.0}, "stone_plate": {"tile": 4.0}}
+SMALLER |= {"figure_3_13": {"width": 40.0}, "ink_dots": {"width": 30.0}}
 SMALLER |= {"journal_plate": {"pen": 0.6}, "outline": {"pen": 0.8}}
 SMALLER |= {"hedcut": {"pen": 0.9}, "isophote": {"pen": 0.9}, "edges": {"fine": 0.6, "broad": 0.9, "iterations": 3}}
 SMALLER |= {"contrast": {"dots": 900}, "frontier": {"every": 900}}

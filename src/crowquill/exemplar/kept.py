@@ -12,7 +12,7 @@ import secrets
 from importlib.metadata import version
 from pathlib import Path
 
-from crowquill.exemplar import stylefile
+from crowquill.exemplar import learning, stylefile
 from crowquill.exemplar.style import Style
 
 MOST = 50  # styles kept, of some 300 kB each; the oldest go
@@ -20,7 +20,7 @@ MOST = 50  # styles kept, of some 300 kB each; the oldest go
 
 def place(scan: Path, dpi: float | None) -> Path | None:
     """The file for the style of a scan at a dpi, or at its own, as this version learns it; None where there is no home for it."""
-    what = hashlib.sha256(scan.read_bytes() + f"{dpi} {version('crowquill')} {stylefile.SCHEMA}".encode()).hexdigest()
+    what = hashlib.sha256(f"{learning.digest(scan)} {dpi} {version('crowquill')} {stylefile.SCHEMA}".encode()).hexdigest()
     try:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     except RuntimeError:

@@ -27,6 +27,7 @@ from crowquill.marks import Glyph
 from crowquill.paths import Array, Paths
 from crowquill.picture import colours, linear
 from crowquill.units import INCH
+from crowquill.vector import regular
 
 Mask = npt.NDArray[np.bool_]
 
@@ -137,8 +138,12 @@ def name_of(source: Source) -> str:
 
 
 def digest(source: Source) -> str:
-    """The SHA-256 of an example's file, "" where it is none."""
-    return hashlib.sha256(Path(source).read_bytes()).hexdigest() if isinstance(source, (str, os.PathLike)) else ""
+    """The SHA-256 of an example's file, "" where it is none. Raises ValueError for a folder, a pipe or a device."""
+    if not isinstance(source, (str, os.PathLike)):
+        return ""
+    regular(Path(source))
+    with Path(source).open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _by_our_options(said: str) -> str:

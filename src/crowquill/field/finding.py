@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 import shapely
 
-from crowquill.field.grids import between, derived
+from crowquill.field.grids import between, coarser, derived
 from crowquill.paths import Array, Paths
 from crowquill.tone import Tone
 
+BLURRED = 10  # pixels to a blur's sigma at most: of finer ones the mean is taken first, and lines move by less than a micrometre
 FINE = 0.05  # of a pixel: how far an edge is simplified, as canvases are
 STRONGEST, FAINTEST = 0.6, 0.02  # the step that a line needs without detail, and how much of that with all of it
 
@@ -40,6 +41,7 @@ def edges(tone: Tone, sigma: float, *, low: float = 0.05, high: float = 0.15, le
     """
     from contourpy import contour_generator
 
+    tone = _seen(tone, sigma)
     one = {(i, j): derived(tone, sigma, i, j) for i in range(4) for j in range(4 - i) if i + j}
     x, y = one[1, 0], one[0, 1]
     step = np.hypot(x, y) * sigma * np.sqrt(2 * np.pi)  # the step that would have such a gradient at its middle
@@ -61,10 +63,19 @@ def isophotes(tone: Tone, levels: int, sigma: float, *, least: float = 0.0) -> l
     """
     from contourpy import contour_generator
 
+    tone = _seen(tone, sigma)
     if min(tone.coverage.shape) < 2:
         return [Paths.of([], closed=False)] * (levels - 1)
     contours: Any = contour_generator(*_centres(tone), z=derived(tone, sigma, 0, 0))
     return [_kept(contours.lines(k / levels), tone, least) for k in range(1, levels)]
+
+
+def _seen(tone: Tone, sigma: float) -> Tone:
+    """The coverage of a tone with no more pixels than a blur of sigma mm leaves to be seen."""
+    grid = tuple(
+        max(1, count // max(1, int(sigma / (BLURRED * side)))) for count, side in zip(tone.coverage.shape, tone.pixel[::-1], strict=True)
+    )
+    return Tone(coarser((grid[0], grid[1]), tone.coverage)[0], tone.size) if grid != tone.coverage.shape else tone
 
 
 def _centres(tone: Tone) -> tuple[Array, Array]:

@@ -29,7 +29,9 @@ from crowquill.tone import Tone
 
 FORMS = ("black", "grey")  # of dots, that may keep the tone
 CURVES = ("measured", *(f"measured-{form}" for form in FORMS), "none")
-INK = 0.03  # candidates 0.25 mm apart, all of them dots, cover 0.8 of the paper, and a ramp to 0.9 asks for more; chance moves 1 %
+# candidates 0.25 mm apart, all of them dots, cover 0.8 of the paper, and a ramp to 0.9 asks for more; in the darks tone is kept half
+# way between outlines and cut scans, which a twentieth of the paper parts; chance moves 1 %
+INK = 0.04
 WHITE = Ink("white", (0.0, 0.0, 0.0, 0.0))
 UNEVEN = 0.25  # of the jitter: how far chance moves the dots of a row along an edge
 SEEN = 0.04  # mm: a pixel in which ink is measured where white lies on black
