@@ -21,11 +21,13 @@ MANY = 500  # corners of an outline, and cells it may cut, from which on it is c
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """The parts of a canvas nearest to each of n sites.
+    """The parts of a canvas nearest to each of n sites, by distance or by power.
 
     rings   mm; ring k belongs to site owner[k], owners rise. A cell has one ring, more where
             the canvas has holes (they turn the other way) or islands, none where it has no part of the canvas
     canvas  the (Multi)Polygon that the cells fill: areas sum to its area
+    net     the triangulation that the cells were made from, and `cut` (n,) which of them the outline may cut: without both
+            there are no borders and no pairs
 
     Of coincident sites the first has the cell. Neighbours share unclipped edges bit for bit.
     """
