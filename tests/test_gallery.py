@@ -94,7 +94,14 @@ def test_a_script_that_is_run_saves_beside_itself(tmp_path: Path) -> None:
 def test_every_script_has_its_picture_and_every_picture_its_place() -> None:
     page = (GALLERY / "README.md").read_text(encoding="utf-8")
     pictures = {path.stem: path for path in GALLERY.glob("*.png")}
-    assert set(pictures) == {path.stem for path in SCRIPTS} | {"plate_detail", "specimen", "portrait"}
+    assert set(pictures) == {path.stem for path in SCRIPTS} | {
+        "plate_detail",
+        "specimen",
+        "portrait",
+        "still_life",
+        "editor",
+        "editor_objects",
+    }
     assert set(re.findall(r"!\[.+\]\((.+)\.png\)", page)) == set(pictures)
     assert set(re.findall(r"^## \[.+\.py\]\((.+)\.py\)$", page, re.MULTILINE)) == {path.stem for path in SCRIPTS}
 
