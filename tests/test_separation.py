@@ -58,7 +58,7 @@ def test_the_paper_left_free_is_that_which_was_measured():
     by_chance = 1 - np.prod(1 - some, axis=1)
     black = np.ones((3, 1))  # each takes all light: what is left is the paper
     wanted = np.maximum(np.interp(some.sum(axis=1), SUMS, COVERED), by_chance)  # dots that keep clear never cover less than chance
-    assert 1 - mixed(some, black)[:, 0] == pytest.approx(wanted, abs=1e-5)
+    assert 1 - mixed(some, black)[:, 0] == pytest.approx(wanted, abs=1e-4)  # k is 1e-3 at the least
 
 
 def test_more_of_an_ink_never_leaves_more_light():
@@ -104,16 +104,11 @@ def test_greys_are_black_alone_where_that_is_asked_for():
     assert found[:, 3] == pytest.approx(1 - light, abs=0.01) and (found[:, :3] < 0.01).all()
 
 
-@pytest.mark.parametrize("limit", [0.8, 1.5, 2.4])
-def test_no_place_has_more_ink_than_the_limit(limit: float):
-    codes = CHANCE.integers(0, 256, (200, 3))
-    assert shares(separation.of_colour(picture(codes), CMYK, limit=limit)).sum(axis=1).max() <= limit + 1e-6
-
-
-def test_less_ink_comes_less_near():
-    codes = CHANCE.integers(0, 128, (200, 3))
-    tight, loose = (separation.of_colour(picture(codes), CMYK, limit=limit).error for limit in (0.7, 3.0))
-    assert tight > 2 * loose
+def test_no_place_has_more_ink_than_the_limit_and_less_ink_comes_less_near():
+    tone = picture(CHANCE.integers(0, 128, (200, 3)))
+    tight, loose = (separation.of_colour(tone, CMYK, limit=limit) for limit in (0.8, 3.0))
+    assert shares(tight).sum(axis=1).max() <= 0.8 + 1e-6 < shares(loose).sum(axis=1).max() <= 3
+    assert tight.error > 2 * loose.error
 
 
 def test_the_darkest_ink_stays_where_nothing_else_makes_the_colour():

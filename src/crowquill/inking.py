@@ -30,7 +30,7 @@ Curve = Callable[[Array], Array]
 Found = TypeVar("Found")
 Begin = Callable[[], Generator[Step, None, Found]]
 
-TOLD = ("marks", "ink_asked_mm2", "ink_placed_mm2", "coverage_missing")  # of each ink
+SHARED = {"style", "version", "seed", "art_mm", "seconds", "warnings"}  # of all inks' reports
 TURNS = (0.0, 30.0, -30.0, 45.0, 15.0, -15.0, 22.5, -22.5)  # degrees, of the darkest ink's screen and on to the lightest's
 LIMIT = 3.0  # sheets of paper: what presses take
 UNLIKE = 0.03  # of the light, on the mean: what is said of an error of colour
@@ -77,7 +77,9 @@ def steps(
         raise ValueError(f"style {style} draws in one way alone; leave out {'reverse-from' if inks is None else 'inks'}, or use stipple")
     if ink_match == "lightness" and (ink_limit is not None or black_for is not None):
         raise ValueError("ink-limit and black-for are for colours; leave them out, or match colour")
-    styles.steps(style, tone, seed=seed, **values).close()  # its knobs are checked before any work
+    if inks is not None:
+        named.several(inks)
+    styles.steps(style, tone, seed=seed, **values).close()  # all is checked before any work
     return _worked(style, tone, seed, values, curve, own)
 
 
@@ -94,7 +96,9 @@ class Drawn:
         found = [layer.art for layer in self.sheet.layers if isinstance(layer.art, Marks)]
         if not found:
             style = self.sheet.recipe["style"]
-            raise ValueError(f"style {style} drew no dots, and nothing else keeps clear of other inks; choose a form, or a style, of dots")
+            raise ValueError(
+                f"style {style} drew no dots: they alone keep clear of other inks, or turn white; choose a form, or a style, of dots"
+            )
         return together(found)
 
     def moved(self, marks: Marks) -> Drawn:
@@ -105,8 +109,9 @@ class Drawn:
                 part = slice(at, at := at + len(layer.art))
                 layer = replace(layer, art=replace(layer.art, xy=marks.xy[part], scale=marks.scale[part]))
             layers.append(layer)
-        more = measure.ink(marks) - measure.ink(self.marks)
-        report = _filled({**self.sheet.report, "ink_placed_mm2": self.sheet.report["ink_placed_mm2"] + more})
+        dots_alone = all(isinstance(layer.art, Marks) for layer in layers)
+        rest = 0.0 if dots_alone else self.sheet.report["ink_placed_mm2"] - measure.ink(self.marks)
+        report = _filled({**self.sheet.report, "ink_placed_mm2": measure.ink(marks) + rest})
         return replace(self, sheet=replace(self.sheet, layers=tuple(layers), report=report))
 
 
@@ -116,29 +121,35 @@ def _worked(style: str, tone: Tone, seed: int, chosen: Values, curve: Curve | No
     if own["inks"] is None:
         (alone,) = yield from _in_turn({"": _work(style, tone, seed, chosen, own["reverse_from"], dot)})
         return _recorded(alone.sheet, style, seed, chosen, own)
-    inks, turned = named.several(own["inks"]), styles.says(style, "turned", None)
-    clock = Clock()
+    inks, turned, clock = named.several(own["inks"]), styles.says(style, "turned", None), Clock()
     parts = _separated(tone, inks, own, apart=turned is None)
-    tones = [part if curve is None else part.mapped(curve) for part in parts.tones]
     clock.lap("separate")
+    tones = [part if curve is None else part.mapped(curve) for part in parts.tones]
     each = _dealt(chosen, [part.ink for part in tones])
     if turned is not None:
         each = [turned(one, turn) for one, turn in zip(each, reversed(TURNS[: len(inks)]), strict=True)]
     works = [_work(style, part, seed + k, one, own["reverse_from"], dot) for k, (part, one) in enumerate(zip(tones, each, strict=True))]
     found = yield from _in_turn(dict(zip([ink.name for ink in inks], works, strict=True)))
+    last = Clock()
     if turned is None:
-        began = Clock()
-        marks = yield from mingling.mingled([one.marks for one in found], [one.tone for one in found], tone.canvas)
+        gap = float(chosen.get("min_gap") or 0.0)
+        marks = yield from mingling.mingled([one.marks for one in found], [one.tone for one in found], tone.canvas, gap)
         found = [one.moved(part) for one, part in zip(found, marks, strict=True)]
-        began.lap("mingle")
-    layers = [_inked(layer, ink, style) for ink, one in zip(inks, found, strict=True) for layer in one.sheet.layers if len(layer.art)]
+        last.lap("mingle")
+    sheet = _together(inks, [one.sheet for one in found], parts)
+    seconds = {**sheet.report["seconds"], **clock.laps, **last.laps}
+    return _recorded(replace(sheet, report={**sheet.report, "seconds": seconds}), style, seed, chosen, own)
+
+
+def _together(inks: Sequence[Ink], sheets: Sequence[Sheet], parts: Separation) -> Sheet:
+    """The sheets of all inks as one: every layer in its ink, of which all but the lowest overprint, and one report."""
+    layers = [_inked(layer, ink) for ink, sheet in zip(inks, sheets, strict=True) for layer in sheet.layers if len(layer.art)]
     layers = [replace(layer, ink=replace(layer.ink, overprint=layer.ink.name != layers[0].ink.name)) for layer in layers]
-    reports = [one.sheet.report for one in found]
-    report = {**_summed(reports), "colour_error": parts.error, "colour_lost": parts.lost}
-    report["inks"] = [{"ink": ink.name, **{key: one[key] for key in TOLD}} for ink, one in zip(inks, reports, strict=True)]
-    report["warnings"] = _warnings(inks, reports, parts)
-    report["seconds"] = {**report["seconds"], **clock.laps}
-    return _recorded(replace(found[0].sheet, layers=tuple(layers), report=report), style, seed, chosen, own)
+    reports = [sheet.report for sheet in sheets]
+    report = {**_summed(reports), "colour_error": parts.error, "colour_lost": parts.lost, "warnings": _warnings(inks, reports, parts)}
+    own = [{key: value for key, value in one.items() if key not in SHARED} for one in reports]
+    report["inks"] = [{"ink": ink.name, **one} for ink, one in zip(inks, own, strict=True)]
+    return replace(sheets[0], layers=tuple(layers), report=report)
 
 
 def _separated(tone: Tone, inks: Sequence[Ink], own: Values, *, apart: bool) -> Separation:
@@ -177,7 +188,8 @@ def _reversed(style: str, parts: reversal.Parted, seed: int, chosen: Values, dot
     rest = Drawn(black[0], halves[1][0]) if black else Drawn(nothing, parts.dark)
     told = _summed([sheet.report for sheet in (*black, white)])
     asked = float(shapely.area(parts.area)) - white.report["ink_asked_mm2"] + sum(sheet.report["ink_asked_mm2"] for sheet in black)
-    told |= {"white_marks": len(holes), "ink_asked_mm2": asked, "ink_placed_mm2": reversal.ink(area, rest.marks)}
+    told = {**rest.sheet.report, **told, "white_marks": len(holes), "ink_asked_mm2": asked}
+    told["ink_placed_mm2"] = reversal.ink(area, rest.marks)
     layers = (Layer(Ink(), reversal.rings(area), "solid"), *(layer for layer in rest.sheet.layers if len(layer.art)))
     return Drawn(replace(rest.sheet, layers=layers, report=_filled(told)), rest.tone)
 
@@ -212,10 +224,10 @@ def _dealt(chosen: Values, inks: Sequence[float]) -> list[Values]:
     return [{**chosen, "dots": max(1, int(dots))} for dots in np.diff(ends, prepend=0)]
 
 
-def _inked(layer: Layer, ink: Ink, style: str) -> Layer:
+def _inked(layer: Layer, ink: Ink) -> Layer:
     """The layer in an ink. Raises ValueError for one that a style has in an ink of its own."""
     if layer.fill is not None or replace(layer.ink, pen=None, overprint=False) != Ink():
-        raise ValueError(f"style {style} drew {layer.label!r} in an ink of its own, which is no separation's; leave out inks")
+        raise ValueError(f"{layer.label!r} is drawn in an ink of its own, which is none of those asked for; leave out inks")
     return replace(layer, ink=replace(ink, pen=layer.ink.pen))
 
 
@@ -246,9 +258,7 @@ def _warnings(inks: Sequence[Ink], reports: Sequence[Mapping[str, Any]], parts: 
         if report["marks"]:
             said += [f"{ink.name}: {one}" for one in report["warnings"]]
         else:
-            said.append(
-                f"{ink.name} has nothing to draw: the picture has no colour that it brings nearer; leave it out, or match lightness"
-            )
+            said.append(f"{ink.name} has nothing to draw: it brings no colour of the picture nearer; leave it out, or match lightness")
     if parts.least > DARK:
         said.append(f"no ink is dark: all together leave {parts.least:.0%} of the light, and what is darker is as light; add black")
     elif parts.error > UNLIKE:

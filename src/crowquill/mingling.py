@@ -18,23 +18,28 @@ import shapely
 from crowquill import cells, measure, moments
 from crowquill.marks import Marks
 from crowquill.paths import Array
+from crowquill.relax import GOLDEN
 from crowquill.sheet import Step
 from crowquill.stippling import snapped
 from crowquill.tone import Tone
 
 ROUNDS = 20
 STRIDE = 1.8  # of the way, as relax.lloyd goes
-JOINT = 0.7  # of the way to the middle among all dots; .5 leaves ten times as many near each other, with 1 own patterns grow uneven
+JOINT = 0.8  # of the way to the middle among all dots; with .5 six times as many of two inks stay near, with 1 own patterns grow uneven
 DENSE = 0.5  # of own coverage, from which on that fades to nothing at 1: there is no way round dots that cover all
-REACH = 0.35  # of the spacing in its own ink that a dot may end up from where the style laid it
+REACH = 0.7  # of the spacing in its own ink that a dot may end up from where the style laid it
+TWINS = 1e-4  # mm: dots in one place are looked at so far apart, or they would have one cell
 LEVEL = 2e-4  # of an ink's area: as near as it is brought to what it was
 
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """Where the dots of one ink may go: its tone, the lightest coverage on which the style laid one, the least white between two.
+    """Where the dots of one ink may go.
 
-    own  (n, 2) mm, from each dot to the middle of its cell where the style laid it; most (n,) mm that it may move
+    weight    its tone squared, as relaxing dots see it; lightest, the lightest coverage on which the style laid one
+    first     (n, 2) mm where it laid them, and `own` from there to the middles of their cells; most (n,) mm that each may move
+    joint     (n, 1) of the way to the middle among all dots
+    reach     (n,) mm of each, and `gap` the least white between two, None where there is none
     """
 
     tone: Tone
@@ -45,18 +50,19 @@ class Ground:
     joint: Array
     lightest: float
     reach: Array
-    gap: float
+    gap: float | None
 
     @classmethod
-    def of(cls, marks: Marks, tone: Tone) -> Ground:
-        """The ground of dots as a style laid them."""
+    def of(cls, marks: Marks, tone: Tone, gap: float) -> Ground:
+        """The ground of dots as a style laid them, with so much white between them where they did not touch."""
         weight, cover = tone.mapped(np.square), tone.at(marks.xy)
         reach = np.array([glyph.reach for glyph in marks.glyphs])[marks.glyph] * marks.scale
         spacing = marks.scale / np.sqrt(np.maximum(cover, 1e-3))
         joint = JOINT * np.clip((1 - cover) / (1 - DENSE), 0, 1)[:, None]
+        least = _least_gap(marks.xy, reach)
         return cls(
             tone, weight, marks.xy, _middles(marks.xy, weight) - marks.xy, REACH * spacing, joint,
-            float(cover.min(initial=1.0)), reach, _least_gap(marks.xy, reach),
+            float(cover.min(initial=1.0)), reach, min(gap, least) if least > 0 else None,
         )  # fmt: skip
 
     def allowed(self, sites: Array) -> npt.NDArray[np.bool_]:
@@ -76,34 +82,38 @@ class Ground:
         return self.kept_apart(found, sites)
 
     def kept_apart(self, sites: Array, before: Array) -> Array:
-        """The sites, those taken back to where they were that came too near to others of this ink, where none were so near."""
-        if self.gap <= 0:
+        """The sites, those taken back to where they were that came too near to others of this ink."""
+        if self.gap is None:
             return sites
         while len(near := _too_near(sites, self.reach, self.gap)):
             sites[near] = before[near]
         return sites
 
 
-def mingled(parts: Sequence[Marks], tones: Sequence[Tone], canvas: shapely.Geometry) -> Generator[Step, None, list[Marks]]:
+def mingled(
+    parts: Sequence[Marks], tones: Sequence[Tone], canvas: shapely.Geometry, gap: float = 0.0
+) -> Generator[Step, None, list[Marks]]:
     """Steps of dots that make room for those of other inks; returns the marks of each ink, as many, in their order.
 
     tones  what is asked of each ink, on parts of the canvas. No dot leaves its part, moves by more than REACH of its ink's
-           spacing there, or goes where it is lighter than where the style had any. Where those of one ink did not touch they do
-           not come nearer than any did. Each ink covers as much as before: dots that now meet more, or less, are made larger or
-           smaller for it, all alike.
+           spacing there, or goes where it is lighter than where the style had any. Each ink covers as much as before: dots that
+           now meet more, or less, are made larger or smaller for it, all alike
+    gap    mm of white that stays between any two of one ink, taken as circles of their reach; where none touched none will
 
     Of one ink, or of none, nothing moves.
     """
-    grounds = [Ground.of(marks, tone) for marks, tone in zip(parts, tones, strict=True)]
+    grounds = [Ground.of(marks, tone, gap) for marks, tone in zip(parts, tones, strict=True)]
     sites = [marks.xy for marks in parts]
     if sum(len(part) > 0 for part in sites) < 2:
         return list(parts)
     every = np.sum([tone.coverage * tone.inside for tone in tones], axis=0)
     weight = replace(tones[0], coverage=(every / every.max()) ** 2, canvas=canvas, importance=None)
     cuts = np.cumsum([len(part) for part in sites])[:-1]
+    turn = GOLDEN * np.arange(sum(map(len, sites)))
+    twins = TWINS * np.stack([np.cos(turn), np.sin(turn)], axis=1)
     for done in range(ROUNDS):
         yield Step("mingle", done, ROUNDS)
-        middles = np.split(_middles(np.concatenate(sites), weight), cuts)
+        middles = np.split(_middles(np.concatenate(sites) + twins, weight), cuts)
         sites = [ground.moved(*both) if len(both[0]) else both[0] for ground, *both in zip(grounds, sites, middles, strict=True)]
     yield Step("mingle", ROUNDS, ROUNDS)
     return [_settled(*one) for one in zip(parts, grounds, sites, strict=True)]
@@ -115,12 +125,13 @@ def _settled(marks: Marks, ground: Ground, sites: Array) -> Marks:
         return marks
     whole, good = snapped(sites, ground.tone, ground.tone.coverage < ground.lightest)
     found = replace(marks, xy=ground.kept_apart(np.where(good[:, None], whole, marks.xy), marks.xy))
-    area = measure.ink(marks)
+    area, scale = measure.ink(marks), found.scale
     for _ in range(4):
         now = measure.ink(found)
         if abs(now - area) <= LEVEL * area:
             break
-        found = replace(found, scale=found.scale * np.sqrt(area / now))
+        scale = scale * np.sqrt(area / now)
+        found = replace(found, scale=scale).snapped()
     return found
 
 
