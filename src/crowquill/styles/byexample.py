@@ -1,7 +1,8 @@
 """Stippling by example: marks and their places as in a scanned drawing, tone by tone; white on black in the darks.
 
 A tile of marks with the example's texture at each of its tones is laid over the picture without end, and each mark is drawn where
-the picture is darker than the mark's own threshold: what is there in a light tone stays in a darker one.
+the picture is darker than the mark's own threshold: what is there in a light tone is there in a darker one, where dots that keep apart
+have slid by up to half their width to make room.
 Source: S. Kim, R. Maciejewski, T. Isenberg, W. M. Andrews, W. Chen, M. C. Sousa, D. S. Ebert, Stippling by Example, NPAR 2009.
 """
 
@@ -45,7 +46,8 @@ def draw(
 ) -> Work:
     """A sheet the tone's size: a layer of black areas out of which white marks are cut, and one of black marks.
 
-    example     its tones should lie in patches of some 24 dots' width or more; examples that come along are simulated
+    example     its tones should lie in patches of some 24 dots' width or more; examples that come along are simulated. What it
+                taught is kept in the user's cache folder: a second drawing by it starts at once
     size        marks are as large as in the example: the size of the drawing decides how many there are
     shapes      are dealt out at random, none again before all others were, each turned at random
     seed        moves, turns and mirrors the tile
