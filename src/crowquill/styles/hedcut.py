@@ -32,6 +32,8 @@ EITHER = ("pen", "dots")  # of which one is enough: who types one means to do wi
 SPAN = aligned.SPAN
 LINE = 0.8  # of the pen
 GAP = 1 / 3  # of a line
+SOFT = 0.25  # of coverage; where a lighter place than that is beside black, dots keep off the black
+AROUND = 5  # squares that are beside
 RIM = 0.1  # of the way from a white dot's middle to the border of black that stays black
 BRIDGE = 0.03  # mm of black between white dots: what a press still prints
 ARCS = 32  # pieces to a quarter of a circle around ends and corners of strokes
@@ -105,7 +107,7 @@ class Ground:
     tone        the picture evened out, on squares fine enough for rows
     lines       its features; width of their strokes, 0 where none are drawn, and gap of white beside them where it is lightest, mm
     pen, pitch  of dots, and from row to row, mm
-    region      where dots are white on black, shapely
+    region      where dots are white on black, shapely; there coverage is `least` or more
     """
 
     tone: Tone
@@ -115,6 +117,7 @@ class Ground:
     pen: float
     pitch: float
     region: shapely.Geometry
+    least: float
 
     @classmethod
     def of(cls, begun: aligned.Setting, width: float, gap: float, detail: float, black: float, rng: np.random.Generator) -> Ground:
@@ -122,7 +125,7 @@ class Ground:
         sight = Sight.of(begun.asked, width or LINE * begun.pen)
         seen = begun.evened(sight)
         region = darks.ground(seen, (black, black), 2 * begun.pen, rng).whole if black < 1 else shapely.MultiPolygon()
-        return cls(seen, sight.lines(detail), width, gap, begun.pen, begun.pitch, region)
+        return cls(seen, sight.lines(detail), width, gap, begun.pen, begun.pitch, region, black)
 
     @cached_property
     def rows(self) -> Rows:
@@ -163,9 +166,13 @@ class Ground:
 
     @cached_property
     def rooms(self) -> tuple[Array, Array]:
-        """What black dots, and white ones, may reach from each square, mm."""
-        off = self.rows.far.mm - self.width / 2
-        return off - self.gap * (1 - self.tone.coverage), np.minimum(off, (1 - RIM) * self.rim)
+        """What black dots, and white ones, may reach from each square, mm: black ones into black too where tone rises to it softly."""
+        from scipy.ndimage import minimum_filter
+
+        tone, off = self.tone.coverage, self.rows.far.mm - self.width / 2
+        soft = np.clip(1 - (self.least - minimum_filter(tone, AROUND)) / SOFT, 0, 1)
+        into = np.where(self.within, 0, self.rim) + soft * aligned.radius(tone, self.pen)
+        return np.minimum(off - self.gap * (1 - tone), into), np.minimum(off, (1 - RIM) * self.rim)
 
     @cached_property
     def black(self) -> Tone:
