@@ -1,7 +1,7 @@
 """Fruit in two spot inks, orange and blue: dots of both side by side, and where it is dark white dots on solid ink.
 
 The colours are the nearest that the two inks give together; each has a plate to itself.
-Size on paper: A5, the picture 180 x 135 mm.
+Size on paper: 210 x 148 mm, the picture 180 x 135 mm.
 Source: still_life.png is rendered by tools/still_life.py; dots after A. Secord, Weighted Voronoi Stippling, NPAR 2002, and
 A. Schulz, K. Rinker, P. Lawonn and others, Multi-Class Inverted Stippling, ACM Transactions on Graphics 40(6), 2021.
 """

@@ -45,7 +45,7 @@ if __name__ == "__main__":
         page = to_bytes(sheet, "pdf")
         if script.stem in COLOURED | INKED:
             seen = printed(sheet, 110) if script.stem in INKED else rendered(page, 110, grey=False).convert("RGB")
-            shown = seen.quantize(32, dither=Image.Dither.NONE)
+            shown = seen.quantize(256 if script.stem in INKED else 32, dither=Image.Dither.NONE)
             shown.save(GALLERY / f"{script.stem}.png", optimize=True, dpi=(110, 110))
         else:
             save(rendered(page, 110), script.stem, 110)
