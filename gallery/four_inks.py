@@ -3,7 +3,7 @@
 Dots of different inks keep clear of each other, so that their colours are side by side; black comes in where there is no more room.
 Size on paper: A5, the picture 124 x 93 mm.
 Source: still_life.png is rendered by tools/still_life.py; separation and dots after H. E. J. Neugebauer, 1937, A. Secord, NPAR 2002,
-and A. Schulz, K. Rinker, P. Lawonn and others, Multi-Class Inverted Stippling, ACM Transactions on Graphics 40(6), 2021.
+and C. Schulz and others, Multi-Class Inverted Stippling, ACM Transactions on Graphics 40(6), 2021.
 """
 
 from pathlib import Path

@@ -3,7 +3,7 @@
 The colours are the nearest that the two inks give together; each has a plate to itself.
 Size on paper: 210 x 148 mm, the picture 180 x 135 mm.
 Source: still_life.png is rendered by tools/still_life.py; dots after A. Secord, Weighted Voronoi Stippling, NPAR 2002, and
-A. Schulz, K. Rinker, P. Lawonn and others, Multi-Class Inverted Stippling, ACM Transactions on Graphics 40(6), 2021.
+C. Schulz and others, Multi-Class Inverted Stippling, ACM Transactions on Graphics 40(6), 2021.
 """
 
 from pathlib import Path

@@ -2,8 +2,8 @@
 
 Each dot goes part of the way to the middle of its cell in the diagram of all dots, and part of the way back to where it lies in the
 diagram of its own ink as the style laid it: own patterns stay, whatever they are, and own tones with them.
-Source: A. Schulz, K. Rinker, P. Lawonn and others, Multi-Class Inverted Stippling, ACM Transactions on Graphics 40(6), 2021, where
-chance chooses between both middles; of the two ways together the better part of both is kept.
+Source: C. Schulz, K. C. Kwan, M. Becher, D. Baumgartner, G. Reina, O. Deussen, D. Weiskopf, Multi-Class Inverted
+Stippling, ACM Transactions on Graphics 40(6), 2021, where chance chooses between both middles, by the ink under the dot.
 """
 
 from __future__ import annotations

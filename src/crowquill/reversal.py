@@ -2,7 +2,8 @@
 
 Black dots on white and white dots on black are one and the same to a style: on the dark part of the canvas it draws what is
 white. Holes are real, so that paper shows through them on every plate.
-Source: A. Schulz, K. Rinker, P. Lawonn and others, Multi-Class Inverted Stippling, ACM Transactions on Graphics 40(6), 2021.
+Source: C. Schulz, K. C. Kwan, M. Becher, D. Baumgartner, G. Reina, O. Deussen, D. Weiskopf, Multi-Class Inverted
+Stippling, ACM Transactions on Graphics 40(6), 2021.
 """
 
 from __future__ import annotations

@@ -7,7 +7,8 @@ while there is room, and what they take adds up. In between, any two inks meet o
 on, and what is left is 1 - (1 - product of all (1 - k a d)) / k: the sum for k = 0, and the product for k = 1. What paper such
 dots really leave free, by how much all inks cover together, was measured, and gives k.
 
-Source: H. E. J. Neugebauer, Die theoretischen Grundlagen des Mehrfarbendrucks, 1937; the rest is our own.
+Source: H. E. J. Neugebauer, Die theoretischen Grundlagen des Mehrfarbenbuchdrucks, Zeitschrift für wissenschaftliche
+Photographie 36(4), 1937; k is our own.
 """
 
 from __future__ import annotations
