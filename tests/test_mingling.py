@@ -12,9 +12,8 @@ from scipy.ndimage import gaussian_filter
 from scipy.spatial import cKDTree
 
 from crowquill import draw, inks, measure, separation, styles
-from crowquill.marks import Marks
+from crowquill.marks import Marks, together
 from crowquill.mingling import mingled
-from crowquill.stippling import together
 from crowquill.tone import Tone
 
 SIDE = 18.0  # mm
