@@ -271,7 +271,7 @@ def test_options_of_light_change_colours_and_a_curve_each_ink():
         (("--black-for", "greys"), "for no inks"),
         (("--ink-match", "lightness"), "for no inks"),
         (("--inks", "C,K", "--ink-limit", "9"), "from 0.5 to 8"),
-        (("--inks", "C,K", "--ink-match", "hue"), "no ink_match 'hue'|no ink-match 'hue'"),
+        (("--inks", "C,K", "--ink-match", "hue"), "no --ink-match 'hue'"),
         (("--inks", "C,K", "--ink-match", "lightness", "--black-for", "greys"), "for colours"),
         (("--reverse-from", "0.1"), "from 0.2 to 1"),
         (("--inks", "C,K", "--dots", "0"), "dots"),
@@ -284,5 +284,5 @@ def test_what_cannot_be_is_refused_in_one_line_and_writes_nothing(
     assert run("stipple", "colours.png", "x.svg", *QUICK, *arguments) == 2
     line = capsys.readouterr().err
     assert line.startswith("crowquill: ") and line.count("\n") == 1 and "; " in line, line
-    assert any(one in line for one in said.split("|")), line
+    assert said in line
     assert not Path("x.svg").exists()

@@ -125,13 +125,16 @@ def _settled(marks: Marks, ground: Ground, sites: Array) -> Marks:
         return marks
     whole, good = snapped(sites, ground.tone, ground.tone.coverage < ground.lightest)
     found = replace(marks, xy=ground.kept_apart(np.where(good[:, None], whole, marks.xy), marks.xy))
-    area, scale = measure.ink(marks), found.scale
-    for _ in range(4):
-        now = measure.ink(found)
-        if abs(now - area) <= LEVEL * area:
+    wanted, grown, steep = np.log(measure.ink(marks)), 0.0, 1.0
+    before: tuple[float, float] | None = None
+    for _ in range(6):  # of a secant: of dots that overlap what they cover grows less than they do
+        now = float(np.log(measure.ink(found)))
+        if abs(now - wanted) <= LEVEL:
             break
-        scale = scale * np.sqrt(area / now)
-        found = replace(found, scale=scale).snapped()
+        steep = steep if before is None else float(np.clip((now - before[1]) / (grown - before[0]), 0.1, 1))
+        before, grown = (grown, now), grown + float(wanted - now) / steep
+        # whole micrometres, each dot's rounded at a place of its own: all at once would be steps of .7 % of ink
+        found = replace(found, scale=np.floor(1000 * marks.scale * np.exp(grown / 2) + GOLDEN * np.arange(len(marks)) % 1) / 1000)
     return found
 
 
