@@ -15,7 +15,7 @@ from PIL import Image
 from scipy.ndimage import gaussian_filter
 from test_styles import DEGENERATE, LITTLE, STYLES, inked
 
-from crowquill import Sheet, Tone, draw, formats, inks, raster, styles, to_bytes
+from crowquill import Sheet, Tone, draw, formats, inks, layout, raster, styles, to_bytes
 from crowquill.__main__ import main
 from crowquill.marks import Marks
 from crowquill.picture import linear
@@ -47,7 +47,7 @@ def run(*arguments: str) -> int:
     return main([str(argument) for argument in arguments])
 
 
-def coloured(width: float = 20.0) -> Tone:
+def coloured(width: float = 15.0) -> Tone:
     return Tone.load("colours.png", width=width, colour=True)
 
 
@@ -246,17 +246,31 @@ def test_a_plotter_has_a_pen_an_ink():
     assert [layer.name for layer in formats.load("a.svg").layers] == ["1 yellow 0.5", "2 cyan 0.5", "3 magenta 0.5", "4 black 0.5"]
 
 
-def test_options_of_light_change_colours_and_a_curve_each_ink():
-    def asked(*more: str) -> dict[str, float]:
-        assert run("stipple", "colours.png", "a.svg", "--inks", "C,M,Y,K", *QUICK, *more, "--report", "r.json") == 0
-        return {told["ink"]: told["ink_asked_mm2"] for told in json.loads(Path("r.json").read_text())["inks"]}
+def test_options_of_light_change_colours():
+    def light(**options: Any) -> np.ndarray[Any, Any]:
+        tone = layout.lit(Path("colours.png"), True, True, **options)
+        assert tone.rgb is not None
+        return linear(tone.rgb / 255)
 
-    plain, lighter, inverted = asked(), asked("--gamma", "2"), asked("--invert")
-    assert sum(lighter.values()) < 0.9 * sum(plain.values())
-    assert inverted["cyan"] > 1.2 * plain["cyan"] and inverted["yellow"] < plain["yellow"], "red and yellow become cyan and blue"
-    Path("gain.csv").write_text("0,0\n0.5,0.7\n")
-    gained = asked("--tone-curve", "gain.csv")
-    assert all(gained[name] < plain[name] for name in plain)
+    plain, own = light(), linear(colours() / 255)
+    assert plain == pytest.approx(own, abs=1e-9) and (light(tone="linear") == plain).all(), "colours are asked for as they are"
+    step = 0.005  # of light: half a code value, where it is steepest
+    assert light(gamma=2.0) == pytest.approx(1 - (1 - own) ** 2, abs=step)
+    assert light(invert=True) == pytest.approx(1 - own, abs=step)
+    assert light(tone="grey") == pytest.approx(colours() / 255, abs=step)
+    white = linear(np.array(200 / 255))
+    assert light(white_point=200 / 255) == pytest.approx(np.minimum(own / white, 1), abs=step)
+
+
+def test_a_curve_of_the_press_is_put_on_each_ink():
+    def asked(*more: str) -> float:
+        assert run("stipple", "grey.png", "a.svg", "--inks", "K", *QUICK, *more, "--report", "r.json") == 0
+        return float(json.loads(Path("r.json").read_text())["inks"][0]["ink_asked_mm2"])
+
+    Path("gain.csv").write_text("0,0\n0.5,0.7\n1,1\n")
+    plain, gained = asked(), asked("--tone-curve", "gain.csv")
+    ink = 1 - linear(np.tile(np.linspace(255, 30, 40), 1).astype(np.uint8) / 255)
+    assert gained / plain == pytest.approx(np.interp(ink, [0, 0.7, 1], [0, 0.5, 1]).sum() / ink.sum(), rel=0.01)
 
 
 @pytest.mark.parametrize(
