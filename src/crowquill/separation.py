@@ -147,43 +147,50 @@ def _descend(
     """Shares of colours lo to hi, from those of `low` on; k stays for ten steps."""
     n, channels = taken.shape
     step = 1 / (2 * (taken**2).sum())
+    now, ahead, found = np.empty(n), np.empty(n), np.empty(n)
     for m in range(lo, hi):
-        now, ahead, k, pace = shares[m].copy(), shares[m].copy(), 1.0, 1.0
+        now[:], ahead[:], k, pace = shares[m], shares[m], 1.0, 1.0
         for turn in range(STEPS):
             if apart and turn % 10 == 0:
                 k = _meeting(ahead)
-            slope = cost.copy()
+            found[:] = ahead
             for c in range(channels):
                 left = 1.0
                 for i in range(n):
                     left *= 1 - k * ahead[i] * taken[i, c]
                 error = 1 - (1 - left) / k - wanted[m, c]
                 for i in range(n):
-                    slope[i] -= 2 * error * taken[i, c] * left / max(1 - k * ahead[i] * taken[i, c], 1e-9)
-            found = _within(ahead - step * slope, low[m], high[m], limit)
+                    found[i] += 2 * step * error * taken[i, c] * left / max(1 - k * ahead[i] * taken[i, c], 1e-9)
+            _hold(found, step * cost, low[m], high[m], limit)
             faster = (1 + np.sqrt(1 + 4 * pace**2)) / 2
+            moved = 0.0
             for i in range(n):
-                ahead[i] = min(max(found[i] + (pace - 1) / faster * (found[i] - now[i]), low[m, i]), high[m, i])
-            still = np.abs(found - now).max() < STILL and turn % 10 == 9
-            now, pace = found, faster
-            if still:
+                way = found[i] - now[i]
+                ahead[i] = min(max(found[i] + (pace - 1) / faster * way, low[m, i]), high[m, i])
+                now[i], moved = found[i], max(moved, abs(way))
+            pace = faster
+            if turn % 10 == 9 and moved < STILL:
                 break
         shares[m] = now
 
 
 @compiled
-def _within(shares: Array, low: Array, high: Array, limit: float) -> Array:
-    """The nearest shares (n,) from low to high whose sum is within the limit, or low where no sum is."""
-    found = np.minimum(np.maximum(shares, low), high)
-    if found.sum() <= limit:
-        return found
-    less, more = 0.0, 1.0 + np.abs(shares).max()
-    for _ in range(30):
-        middle = (less + more) / 2
-        found = np.minimum(np.maximum(shares - middle, low), high)
-        less, more = (middle, more) if found.sum() > limit else (less, middle)
-    held: Array = np.minimum(np.maximum(shares - more, low), high)
-    return held
+def _hold(shares: Array, less: Array, low: Array, high: Array, limit: float) -> None:
+    """Takes `less` off the shares (n,) and puts them from low to high, all less by as much as brings their sum within the limit."""
+    off, most = 0.0, 1.0 + np.abs(shares).max()
+    for turn in range(32):
+        total = 0.0
+        for i in range(len(shares)):
+            total += min(max(shares[i] - less[i] - off, low[i]), high[i])
+        if turn == 0 and total <= limit:
+            break
+        if turn == 0:
+            least, off = 0.0, most / 2
+        else:
+            least, most = (off, most) if total > limit else (least, off)
+            off = (least + most) / 2
+    for i in range(len(shares)):
+        shares[i] = min(max(shares[i] - less[i] - off, low[i]), high[i])
 
 
 @compiled
@@ -195,14 +202,13 @@ def _meetings(shares: Array, found: Array, lo: int, hi: int) -> None:
 @compiled
 def _meeting(shares: Array) -> float:
     """k of one mixture, by halving: the more often dots meet, the more paper they leave free."""
-    free = 1 - np.interp(shares.sum(), SUMS, COVERED)
+    covered = np.interp(shares.sum(), SUMS, COVERED)
     low, high = LEAST, 1.0
     for _ in range(20):
-        k = (low + high) / 2
-        if 1 - (1 - np.prod(1 - k * shares)) / k < free:
-            low = k
-        else:
-            high = k
+        k, free = (low + high) / 2, 1.0
+        for share in shares:
+            free *= 1 - k * share
+        low, high = (k, high) if (1 - free) / k > covered else (low, k)
     return high
 
 
