@@ -31,7 +31,7 @@ from crowquill.tone import Tone
 SUMS = np.array([0.0, 0.4, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3, 1.4, 1.6, 2.0])
 COVERED = np.array([0.0, 0.4, 0.5978, 0.6895, 0.7719, 0.8381, 0.8891, 0.9258, 0.9581, 0.9734, 0.9832, 0.9929, 0.9998])
 LEAST = 1e-3  # of k: the sum, but for rounding
-GRID = 17  # colours to a side of the cube that are separated; between them coverage runs straight, and the light errs by .004
+GRID = 17  # colours to a side of the cube that are separated; between them coverage runs straight, and the light errs by .003
 STEPS = 800  # of descent at most; three thousand change a share by .0001 on the mean
 STILL = 1e-7  # of a share: a descent that moves no more is at its end
 COST = 2e-3  # of ink beside the square of an error of light: errors of .001 are worth it
