@@ -22,7 +22,8 @@ knobs
 paths
 heap
 hilbert halftone exact vector picture lettering marks hatching
-regular
+regular mending
+circles
 light delaunay frontier
 tone tracing sheet curves
 cells glyphs raster forme scale plotforms greydots printable inks
