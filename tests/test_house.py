@@ -31,7 +31,7 @@ trimming plots
 moments measure field layout contact grid separation
 spectrum quadrature texture likeness inertia tiles
 spacing objects parting tesserae
-settling shapes
+settling shapes refining
 relax route
 capacity splitting
 stippling screening laying inkdots exemplar

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -10,7 +13,7 @@ import numpy.typing as npt
 from crowquill.cells import Cells
 from crowquill.delaunay import Fans, after
 from crowquill.kernel import compiled, shared_out
-from crowquill.paths import Array, Index, Paths, frozen
+from crowquill.paths import Array, Index, Paths
 from crowquill.tone import BLOCK, Tone
 
 NOTHING = 1e-14  # of the sum of absolute parts: a mass below is rounding, and the cell is without ink
@@ -29,6 +32,10 @@ class Moments:
     centroid: Array
     covariance: Array
 
+    def __post_init__(self) -> None:
+        for values in (self.mass, self.centroid, self.covariance):
+            values.setflags(write=False)
+
     @classmethod
     def of(cls, sums: Array, about: Array, fallback: Array) -> Moments:
         """Moments from the integrals of 1, x, y, xx, xy, yy (n, 6) about the points `about` (n, 2)."""
@@ -39,11 +46,7 @@ class Moments:
         x, y = mean.T
         xx, xy, yy = (sums[:, 3:6] / over).T
         covariance = np.stack([xx - x * x, xy - x * y, xy - x * y, yy - y * y], axis=1).reshape(-1, 2, 2)
-        return cls(
-            frozen(mass, np.float64, (None,), "mass"),
-            frozen(np.where(some[:, None], about + mean, fallback), np.float64, (None, 2), "centroid"),
-            frozen(np.where(some[:, None, None], covariance, 0.0), np.float64, (None, 2, 2), "covariance"),
-        )
+        return cls(mass.copy(), np.where(some[:, None], about + mean, fallback), np.where(some[:, None, None], covariance, 0.0))
 
 
 def of_rings(rings: Paths, fallback: npt.ArrayLike | None = None) -> Moments:
@@ -81,20 +84,33 @@ def of_tone(cells: Cells, tone: Tone) -> Moments:
     drawn = np.flatnonzero(np.diff(first))
     about[drawn] = xy[cells.clipped.start[first[drawn]]]
     if net is not None and len(cells.whole):
-        about[net.unique[cells.whole]] = net.centres[net.fans.begin[cells.whole]] / (dx, dy)
-    about = np.clip(np.floor(about), 0, np.array(tone.coverage.shape)[::-1] - 1.0)
-    shared_out(lambda lo, hi: _edges(tone.prefix, xy, cells.clipped.start, first, about, sums, box, lo, hi), n)
-    if net is not None and len(cells.whole):
-        own = np.zeros(len(net.unique), np.bool_)
-        own[cells.whole] = True
         fans = net.fans._replace(centres=net.centres / (dx, dy))
-        shared_out(lambda lo, hi: _fans(tone.prefix, fans, net.unique, own, about, sums, box, lo, hi), -(-len(own) // SHARE), 1)
-    sums[np.abs(sums[:, 0]) < NOTHING * sums[:, 6]] = 0
-    sums = sums[:, :6] * dx * dy * np.array([1, dx, dy, dx * dx, dx * dy, dy * dy])
-    found = Moments.of(sums, about * (dx, dy), cells.sites)
-    # next to no ink in a corner is rounding of the whole pixels beside it: it may not lead out of the cell
-    held = np.clip(found.centroid, box[:, :2] * (dx, dy), box[:, 2:] * (dx, dy))
-    return replace(found, centroid=np.where(found.mass[:, None] > 0, held, found.centroid))
+        about[net.unique[cells.whole]] = fans.centres[fans.begin[cells.whole]]
+    about = np.clip(np.floor(about), 0, np.array(tone.coverage.shape)[::-1] - 1.0)
+    for band in _bands(tone):
+        shared_out(partial(_edges, band, xy, cells.clipped.start, first, about, sums, box), n)
+        if net is not None and len(cells.whole):
+            lower, upper, _ = net.surveyed
+            own = np.zeros(len(net.unique), np.bool_)
+            own[cells.whole] = True
+            own &= (lower[:, 1] < (band.top + len(band.prefix)) * dy) & (upper[:, 1] >= band.top * dy)
+            shared_out(partial(_fans, band, fans, net.unique, own, about, sums, box), -(-len(own) // SHARE), 1)
+    mass, centroid, covariance = np.empty(n), np.empty((n, 2)), np.empty((n, 2, 2))
+    shared_out(lambda lo, hi: _finished(sums, about, box, cells.sites, dx, dy, mass, centroid, covariance, lo, hi), n)
+    return Moments(mass, centroid, covariance)
+
+
+class Band(NamedTuple):
+    """Sums of rows of a picture of so many: see Tone.prefix."""
+
+    prefix: Array
+    top: int
+    rows: int
+
+
+def _bands(tone: Tone) -> Iterator[Band]:
+    """The whole picture."""
+    yield Band(tone.prefix, 0, len(tone.coverage))
 
 
 def along(tone: Tone, lines: Array) -> Array:
@@ -132,7 +148,7 @@ def _crossed(coverage: Array, lines: Array, mean: Array) -> None:
 
 
 @compiled
-def _edges(prefix: Array, xy: Array, start: Index, first: Index, about: Array, sums: Array, box: Array, lo: int, hi: int) -> None:
+def _edges(band: Band, xy: Array, start: Index, first: Index, about: Array, sums: Array, box: Array, lo: int, hi: int) -> None:
     """Adds the integrals along the rings of sites lo to hi, in pixels about a pixel's corner each, and widens the cells' boxes.
 
     Six integrals each, and the sum of the absolute parts of the first.
@@ -142,14 +158,14 @@ def _edges(prefix: Array, xy: Array, start: Index, first: Index, about: Array, s
             before = start[ring + 1] - 1
             for k in range(start[ring], start[ring + 1]):
                 _widened(box[site], xy[k, 0], xy[k, 1])
-                part = _edge(prefix, about[site, 0], about[site, 1], xy[before, 0], xy[before, 1], xy[k, 0], xy[k, 1])
+                part = _edge(band, about[site, 0], about[site, 1], xy[before, 0], xy[before, 1], xy[k, 0], xy[k, 1])
                 _added(sums[site], part)
                 before = k
 
 
 @compiled
 def _fans(
-    prefix: Array, net: Fans, unique: Index, own: npt.NDArray[np.bool_], about: Array, sums: Array, box: Array, lo: int, hi: int
+    band: Band, net: Fans, unique: Index, own: npt.NDArray[np.bool_], about: Array, sums: Array, box: Array, lo: int, hi: int
 ) -> None:
     """Adds the integrals of cells that are their net's own, in shares lo to hi of the sites.
 
@@ -172,11 +188,34 @@ def _fans(
                     both = about[unique[other], 0] // BLOCK == about[site, 0] // BLOCK
                 if both and other < i:
                     continue  # when it was the other's turn
-                part = _edge(prefix, about[site, 0], about[site, 1], x0, y0, x1, y1)
+                part = _edge(band, about[site, 0], about[site, 1], x0, y0, x1, y1)
                 _added(sums[site], part)
                 if both:
                     twin = unique[other]
                     _taken(sums[twin], part, about[site, 0] - about[twin, 0], about[site, 1] - about[twin, 1])
+
+
+@compiled
+def _finished(
+    sums: Array, about: Array, box: Array, sites: Array, dx: float, dy: float,
+    mass: Array, centroid: Array, covariance: Array, lo: int, hi: int,
+) -> None:  # fmt: skip
+    """Moments in mm of sums in pixels, of sites lo to hi."""
+    for i in range(lo, hi):
+        m = sums[i, 0]
+        if abs(m) < NOTHING * sums[i, 6] or m == 0:
+            mass[i], centroid[i, 0], centroid[i, 1] = 0.0, sites[i, 0], sites[i, 1]
+            covariance[i] = 0.0
+            continue
+        x, y = sums[i, 1] / m, sums[i, 2] / m
+        mass[i] = m * dx * dy
+        covariance[i, 0, 0] = (sums[i, 3] / m - x * x) * dx * dx
+        covariance[i, 0, 1] = covariance[i, 1, 0] = (sums[i, 4] / m - x * y) * dx * dy
+        covariance[i, 1, 1] = (sums[i, 5] / m - y * y) * dy * dy
+        x, y = about[i, 0] + x, about[i, 1] + y
+        if m > 0:  # next to no ink in a corner is rounding of the whole pixels beside it: it may not lead out of the cell
+            x, y = min(max(x, box[i, 0]), box[i, 2]), min(max(y, box[i, 1]), box[i, 3])
+        centroid[i, 0], centroid[i, 1] = x * dx, y * dy
 
 
 @compiled
@@ -204,31 +243,39 @@ def _taken(sums: Array, part: Part, x: float, y: float) -> None:
 
 
 @compiled
-def _edge(prefix: Array, left: float, top: float, x0: float, y0: float, x1: float, y1: float) -> Part:
+def _edge(band: Band, left: float, top: float, x0: float, y0: float, x1: float, y1: float) -> Part:
     """The integrals of 1, x, y, xx, xy, yy times the coverage left of an edge, about (left, top), and the absolute parts of the first.
 
-    Pixel by pixel along it. Where "left" begins is one and the same for a row, and cancels round a ring.
+    Of the part of it that lies in the band; the first of all rows reaches up without end, and the last down. Pixel by pixel along
+    it. Where "left" begins is one and the same for a row, and cancels round a ring.
     """
     m = mx = my = xx = xy = yy = size = 0.0
     dx, dy = x1 - x0, y1 - y0
     if dy == 0:  # along a row there is nothing to integrate
         return m, mx, my, xx, xy, yy, size
-    rows, columns = prefix.shape[0], prefix.shape[1]
-    i = min(max(int(np.floor(x0)), 0), columns - 1)
-    j = min(max(int(np.floor(y0)), 0), rows - 1)
-    i_end = min(max(int(np.floor(x1)), 0), columns - 1)
-    j_end = min(max(int(np.floor(y1)), 0), rows - 1)
+    prefix, first, last, columns = band.prefix, band.top, band.top + len(band.prefix) - 1, band.prefix.shape[1]
+    j, j_end = min(max(int(np.floor(y0)), 0), band.rows - 1), min(max(int(np.floor(y1)), 0), band.rows - 1)
+    if max(j, j_end) < first or min(j, j_end) > last:
+        return m, mx, my, xx, xy, yy, size
     right, down = 1 if dx > 0 else -1, 1 if dy > 0 else -1
+    t, end, along = 0.0, 1.0, 1 / dy
+    if not first <= j <= last:
+        j = first if down > 0 else last
+        t = ((j + (down < 0)) - y0) * along
+    if not first <= j_end <= last:
+        j_end = last if down > 0 else first
+        end = ((j_end + (down > 0)) - y0) * along
+    i = min(max(int(np.floor(x0 + t * dx)), 0), columns - 1)
+    i_end = min(max(int(np.floor(x1 if end == 1 else x0 + end * dx)), 0), columns - 1)
     # where along the edge, 0 to 1, it crosses into the next column and the next row
-    across, along = 1 / dx if i != i_end else 0.0, 1 / dy
+    across = 1 / dx if i != i_end else 0.0
     x_at = ((i + (right > 0)) - x0) * across if i != i_end else 2.0
     y_at = ((j + (down > 0)) - y0) * along if j != j_end else 2.0
-    t = 0.0
     while True:
-        until = min(x_at, y_at, 1.0)
+        until = min(x_at, y_at, end)
         if until > t:
-            a0, a1, a2 = _before(prefix, int(left), i, j)
-            rho, edge = prefix[j, i, 3], i - left
+            a0, a1, a2 = _before(prefix, int(left), i, j - first)
+            rho, edge = prefix[j - first, i, 3], i - left
             a0, a1, a2 = a0 - rho * edge, a1 - rho * edge * edge / 2, a2 - rho * edge * edge * edge / 3
             half, way = (t + until) / 2, (until - t) / 2
             # the middle of the piece and half of its way: means along it of powers of x and y
@@ -245,7 +292,7 @@ def _edge(prefix: Array, left: float, top: float, x0: float, y0: float, x1: floa
             yy += h * (r0 * (y * y + vv) + 2 * rho * y * uv)
             t = until
         if i == i_end and j == j_end:
-            if t >= 1.0:
+            if t >= end:
                 break
             x_at = y_at = 2.0
         elif x_at <= y_at:
