@@ -27,7 +27,7 @@ circles
 light delaunay frontier
 tone tracing sheet curves
 cells glyphs raster forme scale plotforms greydots printable inks
-trimming plots
+trimming plots strips
 moments measure field layout contact grid separation
 spectrum quadrature texture likeness inertia tiles
 spacing objects parting tesserae
