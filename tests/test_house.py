@@ -23,7 +23,7 @@ paths
 heap
 hilbert halftone exact vector picture lettering marks hatching
 regular
-light delaunay frontier
+levels light delaunay frontier
 tone tracing sheet curves
 cells glyphs raster forme scale plotforms greydots printable inks
 trimming plots

@@ -1,0 +1,77 @@
+"""Numbers by pixel: as numbers or as codes they are the same, and so are their sums by row, whole or in bands."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from crowquill.levels import BLOCK, Levels
+from crowquill.tone import Tone
+
+SHAPES = [(1, 1), (1, 63), (3, 64), (5, 65), (37, 191), (64, 128), (50, 300)]
+
+
+def coded(shape: tuple[int, int], kind: str = "u1", seed: int = 0) -> Levels:
+    rng = np.random.default_rng(seed)
+    table = rng.random(256 if kind == "u1" else 65536)
+    return Levels(rng.integers(0, len(table), shape).astype(kind), table)
+
+
+def by_numpy(values: np.ndarray) -> np.ndarray:
+    """The sums of whole rows, by NumPy's own running sums."""
+    h, w = values.shape
+    table, i = np.zeros((h, w, 4)), np.arange(w) % BLOCK
+    table[:, :, 3] = values
+    for p in range(3):
+        part = values * (((i + 1.0) ** (p + 1) - i ** float(p + 1)) / (p + 1))
+        for left in range(0, w, BLOCK):
+            right = min(left + BLOCK, w)
+            table[:, left + 1 : right, p] = np.cumsum(part[:, left : right - 1], axis=1)
+    return table
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("kind", ["u1", "u2", "f8"])
+def test_sums_by_row_are_numpys_bit_for_bit_whole_and_in_bands(shape: tuple[int, int], kind: str) -> None:
+    levels = Levels(np.random.default_rng(1).random(shape)) if kind == "f8" else coded(shape, kind)
+    tone, want = Tone(levels, (10, 10)), by_numpy(levels.whole())
+    assert tone.prefix.tobytes() == want.tobytes()
+    for step in (1, 7, 16, 17, 64):
+        bands = [tone.prefix_of(top, top + step) for top in range(0, shape[0], step)]
+        assert np.concatenate(bands).tobytes() == want.tobytes()
+    assert tone.prefix_of(shape[0], shape[0] + 5).shape == (0, shape[1], 4)
+
+
+@pytest.mark.parametrize("kind", ["u1", "u2"])
+def test_codes_are_the_numbers_that_they_stand_for(kind: str) -> None:
+    levels = coded((37, 91), kind)
+    plain = Levels(levels.whole())
+    assert levels.rows(3, 9).tobytes() == plain.codes[3:9].tobytes()
+    row, column = np.array([0, 36, 5]), np.array([90, 0, 44])
+    assert levels.at(row, column).tolist() == plain.at(row, column).tolist() == plain.codes[row, column].tolist()
+    assert levels.mapped(np.square).whole().tobytes() == plain.mapped(np.square).codes.tobytes()
+    cut = levels.cut(slice(2, 30), slice(5, 60))
+    assert cut.whole().tobytes() == plain.cut(slice(2, 30), slice(5, 60)).codes.tobytes()
+    assert cut.sum() == pytest.approx(cut.whole().sum(), rel=1e-12)
+
+
+def test_a_tone_of_codes_is_the_tone_of_their_numbers() -> None:
+    levels = coded((40, 60))
+    coarse, plain = Tone(levels, (30, 20)), Tone(levels.whole(), (30, 20))
+    assert coarse.ink == pytest.approx(plain.ink, rel=1e-12)
+    assert coarse.shape == plain.shape and coarse.coverage.tobytes() == plain.coverage.tobytes()
+    for changed in (lambda t: t.fitted(20.0, 20.0, "cover"), lambda t: t.mapped(lambda c: 1 - c), lambda t: t.fitted(width=9)):
+        assert changed(coarse).coverage.tobytes() == changed(plain).coverage.tobytes()
+
+
+def test_a_number_outside_its_range_is_refused_only_where_a_pixel_has_it() -> None:
+    table = np.array([0.0, 0.5, 2.0])
+    Tone(Levels(np.array([[0, 1]], np.uint8), table), (2, 1))
+    with pytest.raises(ValueError, match="coverage runs from 0 to 2; it takes 0 to 1"):
+        Tone(Levels(np.array([[0, 2]], np.uint8), table), (2, 1))
+
+
+def test_codes_given_to_levels_cannot_be_changed() -> None:
+    levels = coded((3, 3))
+    with pytest.raises(ValueError, match="read-only"):
+        levels.codes[0, 0] = 1
