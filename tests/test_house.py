@@ -21,9 +21,11 @@ units kernel
 knobs
 paths
 heap
+levels
+greys
 hilbert halftone exact vector picture lettering marks hatching
 regular
-levels light delaunay frontier
+light delaunay frontier
 tone tracing sheet curves
 cells glyphs raster forme scale plotforms greydots printable inks
 trimming plots

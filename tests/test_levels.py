@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from PIL import Image
 
-from crowquill.levels import BLOCK, Levels
+from crowquill import levels as module
+from crowquill.levels import BLOCK, Levels, bands
 from crowquill.tone import Tone
 
 SHAPES = [(1, 1), (1, 63), (3, 64), (5, 65), (37, 191), (64, 128), (50, 300)]
@@ -75,3 +79,38 @@ def test_codes_given_to_levels_cannot_be_changed() -> None:
     levels = coded((3, 3))
     with pytest.raises(ValueError, match="read-only"):
         levels.codes[0, 0] = 1
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_percentiles_of_codes_are_numpys_bit_for_bit(shape: tuple[int, int]) -> None:
+    for seed in range(20):
+        levels, shares = coded(shape, seed=seed), (0.0, 0.5, 3.7, 50.0, 99.5, 100.0)
+        assert levels.percentiles(shares).tolist() == np.percentile(levels.whole(), shares).tolist()
+
+
+def test_bands_are_all_rows_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "BAND", 100)
+    assert list(bands((7, 30))) == [(0, 3), (3, 6), (6, 7)]
+    assert list(bands((2, 1000))) == [(0, 1), (1, 2)] and list(bands((3, 10))) == [(0, 3)]
+
+
+def test_many_numbers_are_kept_to_half_a_code_and_few_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    values = np.random.default_rng(0).random((40, 30))
+    assert Levels.filled((40, 30), lambda lo, hi: values[lo:hi]).whole().tobytes() == values.tobytes()
+    monkeypatch.setattr(module, "LARGE", 1200)
+    levels = Levels.filled((40, 30), lambda lo, hi: values[lo:hi])
+    assert levels.codes.dtype == np.uint16 and abs(levels.whole() - values).max() <= 0.5 / module.DEPTH
+
+
+def test_a_picture_keeps_the_depth_of_its_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    greys = np.random.default_rng(0).integers(0, 65536, (40, 30)).astype(np.uint16)
+    Image.fromarray(greys).save(tmp_path / "deep.tif")
+    Image.fromarray((greys >> 8).astype(np.uint8)).save(tmp_path / "grey.png")
+    Image.fromarray(np.stack([greys >> 8] * 3, axis=2).astype(np.uint8)).save(tmp_path / "rgb.png")
+    for name, kind, near in (("grey.png", np.uint8, 0.0), ("deep.tif", np.uint16, 0.0), ("rgb.png", np.uint16, 2 / module.DEPTH)):
+        plain = Tone.load(tmp_path / name)
+        with monkeypatch.context() as patched:
+            patched.setattr(module, "LARGE", 1000)
+            coded_tone = Tone.load(tmp_path / name)
+        assert plain.levels.table is None and coded_tone.levels.codes.dtype == kind
+        assert abs(coded_tone.coverage - plain.coverage).max() <= near

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -15,7 +15,8 @@ from crowquill.paths import Array, frozen
 
 BLOCK = 64  # columns to a block of sums along rows; see sums()
 LARGE = 64_000_000  # pixels from which on pictures are kept as codes, and their sums made a band of rows at a time
-BAND = 256  # rows at a time, where all would take memory
+BAND = 1 << 20  # pixels at a time, where all would take memory
+DEPTH = 65535  # codes of numbers that have none of their own
 ROWS = 16  # that are worth a thread of their own
 
 
@@ -40,6 +41,16 @@ class Levels:
         found.check(name)
         return found
 
+    @classmethod
+    def filled(cls, shape: tuple[int, int], rows: Callable[[int, int], Array]) -> Levels:
+        """Levels of this shape, of which rows(top, bottom) gives bands: as they are, or from LARGE pixels on as codes of 16 bits."""
+        coded = shape[0] * shape[1] >= LARGE
+        codes = np.empty(shape, np.uint16 if coded else np.float64)
+        for top, bottom in bands(shape):
+            part = rows(top, bottom)
+            codes[top:bottom] = np.rint(part * DEPTH) if coded else part
+        return cls(codes, np.arange(DEPTH + 1) / DEPTH if coded else None)
+
     def check(self, name: str) -> None:
         """Raises ValueError where there is none, or one outside 0 to 1."""
         if self.codes.size == 0:
@@ -57,8 +68,8 @@ class Levels:
     def counts(self) -> npt.NDArray[np.int64]:
         """How many pixels have each code of the table, (k,)."""
         found = np.zeros(0 if self.table is None else len(self.table), np.int64)
-        for top in range(0, len(self.codes), BAND):
-            found += np.bincount(self.codes[top : top + BAND].ravel(), minlength=len(found))
+        for top, bottom in bands(self.shape):
+            found += np.bincount(self.codes[top:bottom].ravel(), minlength=len(found))
         return found
 
     def rows(self, top: int, bottom: int) -> Array:
@@ -90,6 +101,23 @@ class Levels:
             return changed
         return Levels(frozen(curve(self.codes), np.float64, self.codes.shape, "the curve"))
 
+    def percentiles(self, shares: tuple[float, ...]) -> Array:
+        """What these shares of 100 of all numbers lie below, as np.percentile has it."""
+        if self.table is None:
+            return np.asarray(np.percentile(self.codes, shares))
+        order = np.argsort(self.table, kind="stable")
+        upto = np.cumsum(self.counts[order])
+        place = (upto[-1] - 1) * (np.array(shares) / 100)
+        low = np.floor(place)
+        below, above = (self.table[order[np.searchsorted(upto, np.minimum(at, upto[-1] - 1), side="right")]] for at in (low, low + 1))
+        part = place - low
+        found: Array = np.where(part < 0.5, below + (above - below) * part, above - (above - below) * (1 - part))
+        return found
+
+    def spread(self) -> Levels:
+        """The same as numbers, where there are fewer than LARGE: had many times, codes take longer."""
+        return self if self.table is None or self.codes.size >= LARGE else Levels(self.whole())
+
     def sum(self) -> float:
         """The sum of all numbers."""
         return float(self.codes.sum() if self.table is None else (self.table * self.counts).sum())
@@ -113,6 +141,12 @@ class Levels:
 
         shared_out(fill, len(made), ROWS)
         return made
+
+
+def bands(shape: tuple[int, int]) -> Iterator[tuple[int, int]]:
+    """The first row, and the one past the last, of bands of BAND pixels or a row that all rows of this shape are had in."""
+    rows = max(1, BAND // max(1, shape[1]))
+    return ((top, min(top + rows, shape[0])) for top in range(0, shape[0], rows))
 
 
 @compiled

@@ -16,7 +16,7 @@ from crowquill.levels import BLOCK as BLOCK  # whose sums these are
 from crowquill.levels import Levels
 from crowquill.light import TONES, Source
 from crowquill.paths import Array, frozen
-from crowquill.picture import MAX_PIXELS, File, read, window
+from crowquill.picture import MAX_PIXELS, File, kept, window
 
 TILE = 32  # pixels: the side of the pieces in which a canvas's outline is cut to pixels
 FITS = ("contain", "cover", "stretch")
@@ -110,36 +110,35 @@ class Tone:
             raise ValueError(f"local contrast is {local_contrast}; it takes 0 to 1")
         notes: tuple[str, ...] = ()
         if light.is_file(source):
-            whole, notes = read(cast(File, source), max_pixels)
-            part = window(whole.shape, crop)
-            coverage = light.coverage(whole[part], tone, black_point, white_point)
+            code, notes = kept(cast(File, source), max_pixels)
+            part = window(code.shape, crop)
+            whole, levels = code.shape, light.coverage(code.cut(*part), tone, black_point, white_point)
         else:
             if black_point is not None or white_point is not None:
                 raise ValueError("an array is coverage itself and has no black or white point; leave them out")
-            whole = np.asarray(source, np.float64)
-            if whole.ndim != 2 or whole.size == 0:
-                raise ValueError(f"an array of shape {whole.shape} is no coverage; give (rows, columns), at least one of each")
-            part = window(whole.shape, crop)
-            coverage = whole[part]
+            given = np.asarray(source, np.float64)
+            if given.ndim != 2 or given.size == 0:
+                raise ValueError(f"an array of shape {given.shape} is no coverage; give (rows, columns), at least one of each")
+            part = window(given.shape, crop)
+            whole, levels = given.shape, Levels(frozen(given[part], np.float64, (None, None), "coverage"))
 
-        def changed(coverage: Array) -> Array:
-            if local_contrast:
-                coverage = light.sharpened(coverage, local_contrast)
-            coverage = 1 - coverage if invert else coverage
-            return coverage if gamma == 1 else coverage**gamma
+        def changed(levels: Levels) -> Levels:
+            levels = light.sharpened(levels, local_contrast) if local_contrast else levels
+            levels = levels.mapped(lambda value: 1 - value) if invert else levels
+            return levels if gamma == 1 else levels.mapped(lambda value: value**gamma)
 
-        coverage = changed(coverage)
-        h, w = coverage.shape
+        levels = changed(levels).spread()
+        h, w = levels.shape
         wish = None
         if importance is not None:
-            wish, more = light.wished(importance, whole.shape, part, max_pixels)
+            wish, more = light.wished(importance, whole, part, max_pixels)
             notes += tuple(f"importance: {note}" for note in more)
         rgb = light.on_white(cast(File, source), part, max_pixels) if colour and light.is_file(source) else None
         if rgb is not None and toned:
             rgb = light.toned(rgb, tone, black_point, white_point, changed)
         elif rgb is not None and invert:
             rgb = 255 - rgb
-        loaded = cls(coverage, (WIDTH, WIDTH * h / w), importance=wish, notes=notes, rgb=rgb).fitted(width, height, fit)
+        loaded = cls(levels, (WIDTH, WIDTH * h / w), importance=wish, notes=notes, rgb=rgb).fitted(width, height, fit)
         return loaded if canvas is None else replace(loaded, canvas=canvas)
 
     @property
