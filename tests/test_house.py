@@ -22,8 +22,8 @@ knobs
 paths
 heap
 levels
-greys
-hilbert halftone exact vector picture lettering marks hatching
+greys hilbert
+halftone exact vector picture lettering marks hatching
 regular
 light delaunay frontier
 tone tracing sheet curves

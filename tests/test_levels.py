@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from crowquill import hilbert
 from crowquill import levels as module
 from crowquill.levels import BLOCK, Levels, bands
 from crowquill.tone import Tone
@@ -114,3 +115,24 @@ def test_a_picture_keeps_the_depth_of_its_file(tmp_path: Path, monkeypatch: pyte
             coded_tone = Tone.load(tmp_path / name)
         assert plain.levels.table is None and coded_tone.levels.codes.dtype == kind
         assert abs(coded_tone.coverage - plain.coverage).max() <= near
+
+
+def by_sorting(values: np.ndarray, shares: np.ndarray) -> np.ndarray:
+    """The same pixels by the curve's keys of all of them at once."""
+    row, column = np.divmod(np.arange(values.size), values.shape[1])
+    order = np.argsort(hilbert._keys(row, column, 1 << max(1, max(values.shape) - 1).bit_length()), kind="stable")
+    total = np.cumsum(values.ravel()[order])
+    found = order[np.searchsorted(total, np.minimum(shares * total[-1], np.nextafter(total[-1], 0)), side="right")]
+    return np.stack(np.divmod(found, values.shape[1])[::-1], axis=1)
+
+
+@pytest.mark.parametrize("shape", [*SHAPES, (2, 2), (200, 3), (129, 257), (64, 64), (65, 1)])
+@pytest.mark.parametrize("kind", ["u1", "u2", "f8"])
+@pytest.mark.parametrize("split", [1, 2, 3])
+def test_along_the_curve_block_by_block_are_the_pixels_of_all_keys_sorted(shape: tuple[int, int], kind: str, split: int) -> None:
+    levels = Levels(np.random.default_rng(1).random(shape)) if kind == "f8" else coded(shape, kind)
+    if shape != (1, 1):  # places without ink are passed over
+        levels = levels.mapped(lambda v: np.where(v < 0.3, 0.0, v))
+    shares = (np.arange(500) + np.random.default_rng(2).random(500)) / 500
+    values = np.kron(levels.whole(), np.ones((split, split)))
+    assert hilbert.passed(levels, shares, split).tolist() == by_sorting(values, shares).tolist()

@@ -75,17 +75,19 @@ def scatter(tone: Tone, n: int, rng: np.random.Generator, how: str = "even") -> 
         return np.zeros((0, 2))
     if how in METHODS and how != "random":
         return _halftoned(tone, n, how, rng)
-    split = int(np.ceil(np.sqrt(max(1.0, PIXELS_A_SITE * n / tone.coverage.size))))
-    if split > 1:
+    split = int(np.ceil(np.sqrt(max(1.0, PIXELS_A_SITE * n / np.prod(tone.shape)))))
+    if split > 1 and not (how == "even" and tone.is_rectangle):
         finer: Array = np.kron(tone.coverage, np.ones((split, split))).astype(np.float64)
-        tone = Tone(finer, tone.size, tone.canvas)
-    ink = tone.coverage * tone.inside
-    order = hilbert.of_grid(*ink.shape) if how == "even" else np.arange(ink.size)
-    total = np.cumsum(ink.ravel()[order])
-    draws = (np.arange(n) + rng.random(n)) / n if how == "even" else rng.random(n)
-    found = np.searchsorted(total, np.minimum(draws * total[-1], np.nextafter(total[-1], 0)), side="right")
-    row, column = np.divmod(order[found], ink.shape[1])
-    return _placed(tone, np.stack([column, row], axis=1), np.array(tone.pixel), rng)
+        tone, split = Tone(finer, tone.size, tone.canvas), 1
+    ink = tone.inked
+    if how == "even":
+        place = hilbert.passed(ink, (np.arange(n) + rng.random(n)) / n, split)
+    else:
+        total = np.cumsum(ink.whole().ravel())
+        found = np.searchsorted(total, np.minimum(rng.random(n) * total[-1], np.nextafter(total[-1], 0)), side="right")
+        place = np.stack(np.divmod(found, ink.shape[1])[::-1], axis=1)
+    size = tone.size[0] / (ink.shape[1] * split), tone.size[1] / (ink.shape[0] * split)
+    return _placed(tone, place, np.array(size), rng)
 
 
 def lloyd(
@@ -118,8 +120,8 @@ def lloyd(
     if not 0 <= exponent <= 4:
         raise ValueError(f"exponent {exponent} is outside 0 to 4")
     refused = None if banned is None else np.asarray(banned, bool)
-    if refused is not None and refused.shape != tone.coverage.shape:
-        raise ValueError(f"banned has shape {refused.shape}; it takes the tone's {tone.coverage.shape}")
+    if refused is not None and refused.shape != tone.shape:
+        raise ValueError(f"banned has shape {refused.shape}; it takes the tone's {tone.shape}")
     return _states(frozen(sites, np.float64, (None, 2), "sites"), tone, step, exponent, refused, lead)
 
 

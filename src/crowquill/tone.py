@@ -166,11 +166,17 @@ class Tone:
         """The shorter side of the rectangle around the canvas, mm."""
         return float(np.diff(np.array(shapely.bounds(self.canvas)).reshape(2, 2), axis=0).min())
 
+    @property
+    def inked(self) -> Levels:
+        """The share of each pixel's own area that is asked to be ink inside the canvas, (h, w)."""
+        if self.is_rectangle:
+            return self.levels
+        return Levels.filled(self.shape, lambda top, bottom: self.levels.rows(top, bottom) * self.inside[top:bottom])
+
     @cached_property
     def ink(self) -> float:
         """The area of ink asked for inside the canvas, mm^2."""
-        total = self.levels.sum() if self.is_rectangle else float((self.coverage * self.inside).sum())
-        return total * self.pixel[0] * self.pixel[1]
+        return self.inked.sum() * self.pixel[0] * self.pixel[1]
 
     @cached_property
     def is_rectangle(self) -> bool:
