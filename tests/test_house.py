@@ -20,12 +20,12 @@ LAYERS = """
 units kernel
 knobs
 paths
-heap
+heap expense
 levels
 greys hilbert
 halftone exact vector picture lettering marks hatching
 regular
-light delaunay frontier
+light footprint delaunay frontier
 tone tracing sheet curves
 cells glyphs raster forme scale plotforms greydots printable inks
 trimming plots

@@ -15,7 +15,7 @@ from crowquill.paths import Array, frozen
 
 BLOCK = 64  # columns to a block of sums along rows; see sums()
 LARGE = 64_000_000  # pixels from which on pictures are kept as codes, and their sums made a band of rows at a time
-BAND = 1 << 20  # pixels at a time, where all would take memory
+BAND = 1 << 21  # pixels at a time, where all would take memory
 DEPTH = 65535  # codes of numbers that have none of their own
 ROWS = 16  # that are worth a thread of their own
 
@@ -43,19 +43,24 @@ class Levels:
 
     @classmethod
     def filled(cls, shape: tuple[int, int], rows: Callable[[int, int], Array]) -> Levels:
-        """Levels of this shape, of which rows(top, bottom) gives bands: as they are, or from LARGE pixels on as codes of 16 bits."""
+        """Levels of this shape whose rows(top, bottom) are asked for by all cores: numbers, or from LARGE pixels on codes of 16 bits."""
         coded = shape[0] * shape[1] >= LARGE
         codes = np.empty(shape, np.uint16 if coded else np.float64)
-        for top, bottom in bands(shape):
-            part = rows(top, bottom)
-            codes[top:bottom] = np.rint(part * DEPTH) if coded else part
+        every = list(bands(shape))
+
+        def fill(lo: int, hi: int) -> None:
+            for top, bottom in every[lo:hi]:
+                part = rows(top, bottom)
+                codes[top:bottom] = np.rint(part * DEPTH) if coded else part
+
+        shared_out(fill, len(every), 1)
         return cls(codes, np.arange(DEPTH + 1) / DEPTH if coded else None)
 
     def check(self, name: str) -> None:
         """Raises ValueError where there is none, or one outside 0 to 1."""
         if self.codes.size == 0:
             raise ValueError(f"{name} has no pixels; it takes at least one")
-        some = self.codes if self.table is None else self.table[np.flatnonzero(self.counts)]
+        some = self._met
         if not 0 <= some.min() <= some.max() <= 1:
             raise ValueError(f"{name} runs from {some.min():g} to {some.max():g}; it takes 0 to 1")
 
@@ -70,6 +75,26 @@ class Levels:
         found = np.zeros(0 if self.table is None else len(self.table), np.int64)
         for top, bottom in bands(self.shape):
             found += np.bincount(self.codes[top:bottom].ravel(), minlength=len(found))
+        return found
+
+    @property
+    def _met(self) -> Array:
+        """All numbers, each once where there are codes."""
+        return self.codes if self.table is None else self.table[np.flatnonzero(self.counts)]
+
+    @property
+    def most(self) -> float:
+        """The greatest number."""
+        return float(self._met.max())
+
+    def where(self, test: Callable[[Array], npt.NDArray[np.bool_]]) -> npt.NDArray[np.bool_]:
+        """Which pixels, (h, w), have numbers that pass a test: it takes and gives an array, and treats each number by itself."""
+        if self.table is None:
+            return test(self.codes)
+        passed = test(self.table)
+        found = np.empty(self.shape, bool)
+        for top, bottom in bands(self.shape):
+            found[top:bottom] = passed[self.codes[top:bottom]]
         return found
 
     def rows(self, top: int, bottom: int) -> Array:

@@ -11,14 +11,14 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from crowquill import light
+from crowquill import footprint, light
+from crowquill.footprint import touched as touched  # by cells
 from crowquill.levels import BLOCK as BLOCK  # whose sums these are
 from crowquill.levels import Levels
 from crowquill.light import TONES, Source
 from crowquill.paths import Array, frozen
 from crowquill.picture import MAX_PIXELS, File, kept, window
 
-TILE = 32  # pixels: the side of the pieces in which a canvas's outline is cut to pixels
 FITS = ("contain", "cover", "stretch")
 WIDTH = 180.0  # mm of a picture of which nothing is said: A4 less its margins
 
@@ -171,7 +171,7 @@ class Tone:
         """The share of each pixel's own area that is asked to be ink inside the canvas, (h, w)."""
         if self.is_rectangle:
             return self.levels
-        return Levels.filled(self.shape, lambda top, bottom: self.levels.rows(top, bottom) * self.inside[top:bottom])
+        return Levels.filled(self.shape, lambda top, bottom: self.levels.rows(top, bottom) * self.within.rows(top, bottom))
 
     @cached_property
     def ink(self) -> float:
@@ -184,21 +184,15 @@ class Tone:
         return bool(shapely.equals(self.canvas, shapely.box(0, 0, *self.size)))
 
     @cached_property
+    def within(self) -> Levels:
+        """The share of each pixel that lies in the canvas, exact, or to half a code where coverage is kept as codes."""
+        whole = Levels(np.broadcast_to(1.0, self.shape))
+        return whole if self.is_rectangle else footprint.shares(self.canvas, self.shape, self.pixel)
+
+    @property
     def inside(self) -> Array:
-        """The share of each pixel that lies in the canvas, (h, w), exact."""
-        (h, w), (dx, dy) = self.shape, self.pixel
-        if self.is_rectangle:
-            return np.broadcast_to(1.0, (h, w))
-        left, top = np.meshgrid(np.arange(w) * dx, np.arange(h) * dy)
-        share = shapely.contains_xy(self.canvas, left + dx / 2, top + dy / 2).astype(np.float64)
-        edge = touched(self.canvas, (0.0, 0.0), (dx, dy), (h, w))
-        # the canvas is cut into tiles first: an outline of thousands of corners would be walked for each pixel
-        tile, tiles = np.unique(np.stack(np.nonzero(edge), axis=1) // TILE, axis=0, return_inverse=True)
-        y, x = tile.T * TILE
-        parts = shapely.intersection(shapely.box(x * dx, y * dy, (x + TILE) * dx, (y + TILE) * dy), self.canvas)
-        boxes = shapely.box(left[edge], top[edge], left[edge] + dx, top[edge] + dy)
-        share[edge] = shapely.area(shapely.intersection(boxes, parts[tiles.ravel()])) / (dx * dy)
-        return frozen(share, np.float64, (h, w), "inside")
+        """The same as numbers, (h, w)."""
+        return self.within.whole()
 
     @cached_property
     def prefix(self) -> Array:
@@ -261,7 +255,7 @@ class Tone:
         """The same canvas with this coverage, (h, w) of 0 to 1."""
         changed = replace(self, values=values)
         if not self.is_rectangle:  # half a second of clipping on a traced specimen, and all that is drawn of it needs the same
-            vars(changed)["inside"] = self.inside
+            vars(changed)["within"] = self.within
         return changed
 
     def at(self, xy: npt.ArrayLike) -> Array:
@@ -281,22 +275,6 @@ class Tone:
         if self.is_rectangle:
             return np.asarray(((points >= 0) & (points <= self.size)).all(axis=1))
         return np.asarray(shapely.intersects_xy(self.canvas, points[:, 0], points[:, 1]))
-
-
-def touched(
-    shape: shapely.Geometry, corner: tuple[float, float], step: tuple[float, float], grid: tuple[int, int]
-) -> npt.NDArray[np.bool_]:
-    """The squares of a grid (rows, columns) that the shape's outline may touch: none that it does touch is missing.
-
-    Each piece of the outline shorter than half a square is marked at its ends, and so are all neighbours.
-    """
-    from scipy.ndimage import binary_dilation
-
-    line = shapely.transform(shapely.boundary(shape), lambda xy: (xy - corner) / step)
-    column, row = np.floor(shapely.get_coordinates(shapely.segmentize(line, 0.5))).astype(np.int64).T
-    marks = np.zeros(grid, bool)
-    marks[np.clip(row, 0, grid[0] - 1), np.clip(column, 0, grid[1] - 1)] = True
-    return np.asarray(binary_dilation(marks, np.ones((3, 3), bool)))
 
 
 def _canvas(canvas: shapely.Geometry, sheet: shapely.Geometry) -> shapely.Geometry:
