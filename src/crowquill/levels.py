@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from crowquill.kernel import compiled, shared_out
-from crowquill.paths import Array, frozen
+from crowquill.paths import Array, fixed, frozen
 
 BLOCK = 64  # columns to a block of sums along rows; see sums()
 LARGE = 64_000_000  # pixels from which on pictures are kept as codes, and their sums made a band of rows at a time
@@ -124,7 +124,7 @@ class Levels:
             changed = Levels(self.codes, frozen(curve(self.table), np.float64, self.table.shape, "the curve"))
             vars(changed)["counts"] = self.counts
             return changed
-        return Levels(frozen(curve(self.codes), np.float64, self.codes.shape, "the curve"))
+        return Levels(frozen(fixed(curve(self.codes)), np.float64, self.codes.shape, "the curve"))
 
     def percentiles(self, shares: tuple[float, ...]) -> Array:
         """What these shares of 100 of all numbers lie below, as np.percentile has it."""

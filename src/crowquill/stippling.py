@@ -14,7 +14,7 @@ from crowquill.expense import Clock as Clock  # of styles
 from crowquill.expense import expected_seconds as expected_seconds
 from crowquill.levels import Levels
 from crowquill.marks import Glyph, Marks
-from crowquill.paths import Array
+from crowquill.paths import Array, fixed
 from crowquill.sheet import Step
 from crowquill.tone import Tone
 
@@ -110,7 +110,7 @@ def planned(
     demand = crowd if wish is None else _shared_out(crowd, wish)
     moved = wish is not None and bool(np.ptp(wish[crowd.coverage > 0]) > 0)
     demand, nominal = (replace(part, importance=None) for part in (demand, nominal))
-    drawn = tone.mapped(lambda c: np.where(c < white, 0.0, c)).ink
+    drawn = asked.ink if white_rule == "before" else cut_white(tone, white)[0].ink
     return Plan(demand, nominal, blank, drawn, mean, span[1] * width, wanted, moved, min_gap)
 
 
@@ -250,13 +250,13 @@ def dotted(sites: Array, glyphs: tuple[Glyph, ...], diameter: float | Array, rng
 
     diameter  one for all, about which true diameters keep their spread; or (n,) mm, which are kept to
     """
-    glyph = rng.permutation(np.arange(len(sites)) % len(glyphs))  # each as often as any other
+    glyph = fixed(rng.permutation(np.arange(len(sites)) % len(glyphs)))  # each as often as any other
     spread: Array | float = 1.0
     if isinstance(diameter, float) and len(sites):
         sizes = np.array([glyph.size for glyph in glyphs])[glyph]
         spread = sizes / np.sqrt((sizes**2).mean())
-    scale = diameter * np.sqrt(np.pi) / 2 * spread
-    return Marks.of(sites, glyphs, scale=scale, angle=rng.uniform(0, 2 * np.pi, len(sites)), glyph=glyph)
+    scale = np.asarray(diameter * np.sqrt(np.pi) / 2 * spread)
+    return Marks.of(sites, glyphs, scale=fixed(scale), angle=fixed(rng.uniform(0, 2 * np.pi, len(sites))), glyph=glyph)
 
 
 def apart(marks: Marks, gap: float) -> npt.NDArray[np.bool_]:

@@ -68,5 +68,7 @@ def draw(
     )  # fmt: skip
     off = len(state.sites) != plan.dots
     said = [f"this start gave {len(state.sites)} dots in place of {plan.dots}; --start even gives any number"] if off else []
-    sheet: Sheet = yield from inked(state, plan, tone, nibs, chance[1:], clock, warnings=said)
+    work = inked(state, plan, tone, nibs, chance[1:], clock, warnings=said)
+    del state, plan
+    sheet: Sheet = yield from work
     return sheet
