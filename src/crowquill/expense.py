@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import math
+import os
+import re
 import time
+from pathlib import Path
 
 import numpy as np
+
+SETTING = "CROWQUILL_MEMORY"  # of the environment: gigabytes that may be taken, or any
+PROCESS = Path("/proc/self")
 
 
 class Clock:
@@ -30,3 +37,76 @@ def expected_seconds(dots: int, iterations: int) -> float:
     Delaunay(sites)
     unit = 20 * (time.perf_counter() - began)  # about the time of 100 000 sites
     return round(unit * dots / 100_000 * (0.35 * (iterations + 1) + 3) + 1, 1)
+
+
+def afford(needed: float, what: str, remedy: str) -> None:
+    """Raises ValueError for what takes more bytes than are free; `what` begins the sentence, `remedy` ends it."""
+    free = available()
+    if needed > free:
+        raise ValueError(f"{what} about {said(needed)} of memory, and {said(max(free, 0))} is free; {remedy}, or set {SETTING}=any to try")
+
+
+def said(size: float) -> str:
+    """Bytes as people say them."""
+    return f"{size / 1e9:.2g} GB" if size >= 1e9 else f"{size / 1e6:.3g} MB"
+
+
+def available() -> float:
+    """The bytes that this program may still take: what the system has free, and what a limit on the program leaves it.
+
+    The environment may say the whole in GB, or `any`, which ends all questions. Infinite where nothing is known.
+    """
+    wish = os.environ.get(SETTING, "")
+    if wish == "any":
+        return math.inf
+    if wish:
+        try:
+            return float(wish) * 1e9 - _number(PROCESS / "status", "VmRSS:")
+        except ValueError:
+            raise ValueError(f"{SETTING} is {wish!r}; it takes gigabytes, or any") from None
+    return min(_number(Path("/proc/meminfo"), "MemAvailable:", math.inf), _grouped(), _limited())
+
+
+def _number(file: Path, key: str, unknown: float = 0.0) -> float:
+    """The bytes that a line of a file of the system says, in kB behind its key."""
+    try:
+        found = re.search(rf"^{key}\s*(\d+) kB", file.read_text(encoding="ascii"), re.MULTILINE)
+    except OSError:
+        return unknown
+    return 1024.0 * int(found[1]) if found else unknown
+
+
+def _grouped(groups: Path = Path("/sys/fs/cgroup"), own: Path = PROCESS / "cgroup") -> float:
+    """What the limits of the program's control groups leave: those of the second kind up the tree, or the first's."""
+    left = math.inf
+    try:
+        lines = [line.split(":", 2) for line in own.read_text(encoding="utf-8").splitlines()]
+    except OSError:
+        return left
+    for _, kinds, path in lines:
+        if kinds and "memory" not in kinds.split(","):
+            continue
+        root, most, used = groups, "memory.max", "memory.current"
+        if kinds:
+            root, most, used = groups / "memory", "memory.limit_in_bytes", "memory.usage_in_bytes"
+        folder = root / path.lstrip("/")
+        for group in (folder, *folder.parents):
+            try:
+                limit, now = ((group / name).read_text(encoding="ascii").strip() for name in (most, used))
+                cache = re.search(r"^(?:total_)?inactive_file (\d+)", (group / "memory.stat").read_text(encoding="ascii"), re.MULTILINE)
+                left = min(left, math.inf if limit == "max" else int(limit) - int(now) + (int(cache[1]) if cache else 0))
+            except OSError:
+                pass  # no such group here, or no limit at the root
+            if group == root:
+                break
+    return left
+
+
+def _limited() -> float:
+    """What a limit on the program's addresses leaves it."""
+    try:
+        import resource
+    except ImportError:
+        return math.inf
+    most = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return math.inf if most == resource.RLIM_INFINITY else most - _number(PROCESS / "status", "VmSize:")
