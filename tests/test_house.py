@@ -24,7 +24,8 @@ heap expense
 levels
 greys hilbert
 halftone exact vector picture lettering marks hatching
-regular
+regular mending
+circles
 light footprint delaunay frontier
 tone tracing sheet curves
 cells glyphs raster forme scale plotforms greydots printable inks

@@ -8,12 +8,14 @@ import numpy as np
 import numpy.typing as npt
 
 from crowquill.cells import Cells
+from crowquill.delaunay import Fans, after
 from crowquill.kernel import compiled, shared_out
 from crowquill.paths import Array, Index, Paths, frozen
 from crowquill.tone import BLOCK, Tone
 
 NOTHING = 1e-14  # of the sum of absolute parts: a mass below is rounding, and the cell is without ink
-GAUSS = 0.5 / np.sqrt(3.0)  # two points at 1/2 -+ this are exact to degree 3, all that is met here
+SHARE = 4096  # sites to a share of work
+Part = tuple[float, float, float, float, float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,10 +75,20 @@ def of_tone(cells: Cells, tone: Tone) -> Moments:
     Source: A. Secord, Weighted Voronoi Stippling, NPAR 2002, for the sums; Green's theorem for the edges.
     """
     dx, dy = tone.pixel
-    n = len(cells.sites)
-    sums, about, box = np.zeros((n, 7)), np.zeros((n, 2)), np.zeros((n, 4))
-    xy = cells.rings.xy / (dx, dy)
-    shared_out(lambda lo, hi: _edges(tone.prefix, xy, cells.rings.start, cells.first, sums, about, box, lo, hi), n)
+    n, net = len(cells.sites), cells.net
+    xy, first = cells.clipped.xy / (dx, dy), np.append(0, np.cumsum(np.bincount(cells.of, minlength=n)))
+    about, box, sums = np.zeros((n, 2)), np.tile([np.inf, np.inf, -np.inf, -np.inf], (n, 1)), np.zeros((n, 7))
+    drawn = np.flatnonzero(np.diff(first))
+    about[drawn] = xy[cells.clipped.start[first[drawn]]]
+    if net is not None and len(cells.whole):
+        about[net.unique[cells.whole]] = net.centres[net.fans.begin[cells.whole]] / (dx, dy)
+    about = np.clip(np.floor(about), 0, np.array(tone.coverage.shape)[::-1] - 1.0)
+    shared_out(lambda lo, hi: _edges(tone.prefix, xy, cells.clipped.start, first, about, sums, box, lo, hi), n)
+    if net is not None and len(cells.whole):
+        own = np.zeros(len(net.unique), np.bool_)
+        own[cells.whole] = True
+        fans = net.fans._replace(centres=net.centres / (dx, dy))
+        shared_out(lambda lo, hi: _fans(tone.prefix, fans, net.unique, own, about, sums, box, lo, hi), -(-len(own) // SHARE), 1)
     sums[np.abs(sums[:, 0]) < NOTHING * sums[:, 6]] = 0
     sums = sums[:, :6] * dx * dy * np.array([1, dx, dy, dx * dx, dx * dy, dy * dy])
     found = Moments.of(sums, about * (dx, dy), cells.sites)
@@ -120,36 +132,87 @@ def _crossed(coverage: Array, lines: Array, mean: Array) -> None:
 
 
 @compiled
-def _edges(prefix: Array, xy: Array, start: Index, first: Index, sums: Array, about: Array, box: Array, lo: int, hi: int) -> None:
-    """Sums of sites lo to hi, in pixels about the corner of the first pixel of their cells, put in `about`, and the cells' boxes.
+def _edges(prefix: Array, xy: Array, start: Index, first: Index, about: Array, sums: Array, box: Array, lo: int, hi: int) -> None:
+    """Adds the integrals along the rings of sites lo to hi, in pixels about a pixel's corner each, and widens the cells' boxes.
 
     Six integrals each, and the sum of the absolute parts of the first.
     """
     for site in range(lo, hi):
-        begin, end = start[first[site]], start[first[site + 1]]
-        if begin == end:
-            continue
-        left, top, right, bottom = xy[begin, 0], xy[begin, 1], xy[begin, 0], xy[begin, 1]
-        for k in range(begin, end):
-            left, top = min(left, xy[k, 0]), min(top, xy[k, 1])
-            right, bottom = max(right, xy[k, 0]), max(bottom, xy[k, 1])
-        box[site, 0], box[site, 1], box[site, 2], box[site, 3] = left, top, right, bottom
-        left = min(max(np.floor(left), 0.0), prefix.shape[1] - 1.0)
-        top = min(max(np.floor(top), 0.0), prefix.shape[0] - 1.0)
-        about[site, 0], about[site, 1] = left, top
         for ring in range(first[site], first[site + 1]):
-            last = start[ring + 1] - 1
-            for k in range(start[ring], last + 1):
-                after = start[ring] if k == last else k + 1
-                _edge(prefix, int(left), int(top), xy[k, 0], xy[k, 1], xy[after, 0], xy[after, 1], sums[site])
+            before = start[ring + 1] - 1
+            for k in range(start[ring], start[ring + 1]):
+                _widened(box[site], xy[k, 0], xy[k, 1])
+                part = _edge(prefix, about[site, 0], about[site, 1], xy[before, 0], xy[before, 1], xy[k, 0], xy[k, 1])
+                _added(sums[site], part)
+                before = k
 
 
 @compiled
-def _edge(prefix: Array, left: int, top: int, x0: float, y0: float, x1: float, y1: float, out: Array) -> None:
-    """Adds one edge's part of the sums, pixel by pixel along it."""
+def _fans(
+    prefix: Array, net: Fans, unique: Index, own: npt.NDArray[np.bool_], about: Array, sums: Array, box: Array, lo: int, hi: int
+) -> None:
+    """Adds the integrals of cells that are their net's own, in shares lo to hi of the sites.
+
+    An edge between two cells of a share is integrated once for both, if sums to its left begin in one block for both. A share is
+    of so many sites whatever the number of threads: hence the same sums.
+    """
+    for share in range(lo, hi):
+        low, high = share * SHARE, min((share + 1) * SHARE, len(unique))
+        for i in range(low, high):
+            if not own[i]:
+                continue
+            site, now = unique[i], net.begin[i]
+            for _ in range(net.degree[i]):
+                beyond, other = after(net, now, i)
+                x0, y0, x1, y1 = net.centres[now, 0], net.centres[now, 1], net.centres[beyond, 0], net.centres[beyond, 1]
+                _widened(box[site], x0, y0)
+                now = beyond
+                both = low <= other < high and own[other]
+                if both:
+                    both = about[unique[other], 0] // BLOCK == about[site, 0] // BLOCK
+                if both and other < i:
+                    continue  # when it was the other's turn
+                part = _edge(prefix, about[site, 0], about[site, 1], x0, y0, x1, y1)
+                _added(sums[site], part)
+                if both:
+                    twin = unique[other]
+                    _taken(sums[twin], part, about[site, 0] - about[twin, 0], about[site, 1] - about[twin, 1])
+
+
+@compiled
+def _widened(box: Array, x: float, y: float) -> None:
+    box[0], box[1], box[2], box[3] = min(box[0], x), min(box[1], y), max(box[2], x), max(box[3], y)
+
+
+@compiled
+def _added(sums: Array, part: Part) -> None:
+    for k in range(7):
+        sums[k] += part[k]
+
+
+@compiled
+def _taken(sums: Array, part: Part, x: float, y: float) -> None:
+    """Takes integrals away, about a point that lies x and y before the one they are about."""
+    m, mx, my, xx, xy, yy, size = part
+    sums[0] -= m
+    sums[1] -= mx + x * m
+    sums[2] -= my + y * m
+    sums[3] -= xx + 2 * x * mx + x * x * m
+    sums[4] -= xy + x * my + y * mx + x * y * m
+    sums[5] -= yy + 2 * y * my + y * y * m
+    sums[6] += size
+
+
+@compiled
+def _edge(prefix: Array, left: float, top: float, x0: float, y0: float, x1: float, y1: float) -> Part:
+    """The integrals of 1, x, y, xx, xy, yy times the coverage left of an edge, about (left, top), and the absolute parts of the first.
+
+    Pixel by pixel along it. Where "left" begins is one and the same for a row, and cancels round a ring.
+    """
+    m = mx = my = xx = xy = yy = size = 0.0
     dx, dy = x1 - x0, y1 - y0
-    if dy == 0:
-        return  # along a row there is nothing to integrate
+    if dy == 0:  # along a row there is nothing to integrate
+        return m, mx, my, xx, xy, yy, size
     rows, columns = prefix.shape[0], prefix.shape[1]
     i = min(max(int(np.floor(x0)), 0), columns - 1)
     j = min(max(int(np.floor(y0)), 0), rows - 1)
@@ -157,13 +220,29 @@ def _edge(prefix: Array, left: int, top: int, x0: float, y0: float, x1: float, y
     j_end = min(max(int(np.floor(y1)), 0), rows - 1)
     right, down = 1 if dx > 0 else -1, 1 if dy > 0 else -1
     # where along the edge, 0 to 1, it crosses into the next column and the next row
-    x_at = ((i + (right > 0)) - x0) / dx if i != i_end else 2.0
-    y_at = ((j + (down > 0)) - y0) / dy if j != j_end else 2.0
+    across, along = 1 / dx if i != i_end else 0.0, 1 / dy
+    x_at = ((i + (right > 0)) - x0) * across if i != i_end else 2.0
+    y_at = ((j + (down > 0)) - y0) * along if j != j_end else 2.0
     t = 0.0
     while True:
         until = min(x_at, y_at, 1.0)
         if until > t:
-            _piece(prefix, left, top, i, j, x0 + t * dx, y0 + t * dy, x0 + until * dx, y0 + until * dy, out)
+            a0, a1, a2 = _before(prefix, int(left), i, j)
+            rho, edge = prefix[j, i, 3], i - left
+            a0, a1, a2 = a0 - rho * edge, a1 - rho * edge * edge / 2, a2 - rho * edge * edge * edge / 3
+            half, way = (t + until) / 2, (until - t) / 2
+            # the middle of the piece and half of its way: means along it of powers of x and y
+            x, y, u, v, h = x0 + half * dx - left, y0 + half * dy - top, way * dx, way * dy, 2 * way * dy
+            uu, uv, vv = u * u / 3, u * v / 3, v * v / 3
+            r0 = a0 + rho * x
+            r1 = a1 + rho * (x * x + uu) / 2
+            m += h * r0
+            size += abs(h * r0)
+            mx += h * r1
+            my += h * (r0 * y + rho * uv)
+            xx += h * (a2 + rho * x * (x * x + 3 * uu) / 3)
+            xy += h * (r1 * y + rho * x * uv)
+            yy += h * (r0 * (y * y + vv) + 2 * rho * y * uv)
             t = until
         if i == i_end and j == j_end:
             if t >= 1.0:
@@ -171,19 +250,16 @@ def _edge(prefix: Array, left: int, top: int, x0: float, y0: float, x1: float, y
             x_at = y_at = 2.0
         elif x_at <= y_at:
             i += right
-            x_at = ((i + (right > 0)) - x0) / dx if i != i_end else 2.0
+            x_at = ((i + (right > 0)) - x0) * across if i != i_end else 2.0
         else:
             j += down
-            y_at = ((j + (down > 0)) - y0) / dy if j != j_end else 2.0
+            y_at = ((j + (down > 0)) - y0) * along if j != j_end else 2.0
+    return m, mx, my, xx, xy, yy, size
 
 
 @compiled
-def _piece(prefix: Array, left: int, top: int, i: int, j: int, x0: float, y0: float, x1: float, y1: float, out: Array) -> None:
-    """Adds the part of an edge that lies in pixel (j, i): the coverage to its left times dy.
-
-    a0, a1, a2 are the sums of coverage times 1, x, x^2 over the pixels from the block of
-    `left` to i, x counted from `left`; where that block starts is one and the same for a row, and cancels round a ring.
-    """
+def _before(prefix: Array, left: int, i: int, j: int) -> tuple[float, float, float]:
+    """The sums of coverage times 1, x, x^2 over the pixels of row j from the block of `left` to column i, x counted from `left`."""
     block = i // BLOCK
     a0, a1, a2 = _about(prefix[j, i, 0], prefix[j, i, 1], prefix[j, i, 2], float(block * BLOCK - left))
     low, high, sign = (left // BLOCK, block, 1.0) if block >= left // BLOCK else (block, left // BLOCK, -1.0)
@@ -196,21 +272,7 @@ def _piece(prefix: Array, left: int, top: int, i: int, j: int, x0: float, y0: fl
         s2 = prefix[j, end, 2] + rho * (e1 * e1 * e1 - e0 * e0 * e0) / 3
         s0, s1, s2 = _about(s0, s1, s2, float(b * BLOCK - left))
         a0, a1, a2 = a0 + sign * s0, a1 + sign * s1, a2 + sign * s2
-    rho, edge = prefix[j, i, 3], float(i - left)
-    dy = (y1 - y0) / 2
-    for sign in (-1.0, 1.0):
-        t = 0.5 + sign * GAUSS
-        x, y = x0 + t * (x1 - x0) - left, y0 + t * (y1 - y0) - top
-        r0 = a0 + rho * (x - edge)
-        r1 = a1 + rho * (x * x - edge * edge) / 2
-        r2 = a2 + rho * (x * x * x - edge * edge * edge) / 3
-        out[0] += dy * r0
-        out[6] += abs(dy * r0)
-        out[1] += dy * r1
-        out[2] += dy * r0 * y
-        out[3] += dy * r2
-        out[4] += dy * r1 * y
-        out[5] += dy * r0 * y * y
+    return a0, a1, a2
 
 
 @compiled

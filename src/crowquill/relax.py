@@ -129,11 +129,11 @@ def _states(
     sites: Array, tone: Tone, step: float, exponent: float, banned: npt.NDArray[np.bool_] | None, lead: Lead | None
 ) -> Iterator[State]:
     weight = tone.mapped(lambda coverage: coverage**exponent)
-    done = 0
+    state = measured(sites, tone, weight, banned=banned)
     while True:
-        state = measured(sites, tone, weight, done=done, banned=banned)
         yield state
-        sites, done = moved(state, tone, step=step, banned=banned, lead=lead), done + 1
+        sites = moved(state, tone, step=step, banned=banned, lead=lead)
+        state = measured(sites, tone, weight, done=state.done + 1, banned=banned, last=state.cells)
 
 
 def measured(
@@ -144,13 +144,15 @@ def measured(
     canvas: shapely.Geometry | None = None,
     done: int = 0,
     banned: npt.NDArray[np.bool_] | None = None,
+    last: Cells | None = None,
 ) -> State:
     """The state of sites as they are, their cells weighed by `weight`, those without a cell parted from their twins.
 
     canvas  in place of the tone's
+    last    the cells of the same sites before they moved: the same answer sooner
     """
     canvas = tone.canvas if canvas is None else canvas
-    parts = cells.voronoi(sites, canvas)
+    parts = cells.voronoi(sites, canvas, last)
     if (np.diff(parts.first) == 0).any():
         sites = parted(sites, parts, tone, banned)
         parts = cells.voronoi(sites, canvas)
