@@ -19,6 +19,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
+from crowquill import expense
 from crowquill.greys import Bytes as Bytes
 from crowquill.greys import deep, grey
 from crowquill.greys import encoded as encoded  # what pictures mean as light is had from here
@@ -121,7 +122,7 @@ def _opened(source: File, max_pixels: int) -> Iterator[tuple[Any, Notes]]:
     except UnidentifiedImageError:
         raise ValueError(f"{name}: not a picture that can be read; give one of {', '.join(FORMATS)}") from None
     except (SyntaxError, EOFError, OSError, MemoryError, TypeError, ArithmeticError, LookupError, struct.error, ValueError) as error:
-        if (isinstance(error, OSError) and error.filename) or str(error).startswith(f"{name}: "):
+        if (isinstance(error, OSError) and error.filename) or str(error).startswith((f"{name}: ", expense.SETTING)):
             raise
         raise ValueError(f"{name}: the picture is broken ({' '.join(str(error).split())}); save it again") from None
 
@@ -146,6 +147,8 @@ def _loaded(source: File, name: str, max_pixels: int) -> tuple[Any, Notes]:
                     f"{name}: {w} x {h} pixels are over the limit of {_told(max_pixels)}; "
                     f"make it smaller, or raise the limit with --max-pixels {w * h}"
                 )
+            depth = 1 if image.mode in ("1", "L", "P") else 2 if image.mode.startswith("I;16") else 4
+            expense.afford(w * h * (depth + min(depth, 2)), f"{name}: {w} x {h} pixels take", "make it smaller")
             image.load()
             damaged = False
             try:
