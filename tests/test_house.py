@@ -29,11 +29,11 @@ circles
 light footprint delaunay frontier
 tone tracing sheet curves
 cells glyphs raster forme scale plotforms greydots printable inks
-trimming plots
+trimming plots strips
 moments measure field layout contact grid separation
 spectrum quadrature texture likeness inertia tiles
 spacing objects parting tesserae
-settling shapes
+settling shapes refining
 relax route
 capacity splitting
 stippling screening laying inkdots exemplar

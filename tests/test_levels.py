@@ -10,6 +10,7 @@ from PIL import Image
 
 from crowquill import hilbert
 from crowquill import levels as module
+from crowquill.halftone.averages import averaged
 from crowquill.levels import BLOCK, Levels, bands
 from crowquill.tone import Tone
 
@@ -136,3 +137,10 @@ def test_along_the_curve_block_by_block_are_the_pixels_of_all_keys_sorted(shape:
     shares = (np.arange(500) + np.random.default_rng(2).random(500)) / 500
     values = np.kron(levels.whole(), np.ones((split, split)))
     assert hilbert.passed(levels, shares, split).tolist() == by_sorting(values, shares).tolist()
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (37, 191), (64, 128), (300, 50)])
+def test_means_of_codes_are_those_of_their_numbers(shape: tuple[int, int]) -> None:
+    levels = coded(shape)
+    x, y = np.linspace(-0.7, shape[1], 9), np.linspace(0.3, shape[0] + 1.2, 41)
+    np.testing.assert_allclose(averaged(levels, x, y), averaged(levels.whole(), x, y), atol=1e-12)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -10,12 +12,12 @@ import numpy.typing as npt
 from crowquill.cells import Cells
 from crowquill.delaunay import Fans, after
 from crowquill.kernel import compiled, shared_out
-from crowquill.paths import Array, Index, Paths, frozen
+from crowquill.paths import Array, Index, Paths
+from crowquill.strips import Band, Part, edge
 from crowquill.tone import BLOCK, Tone
 
 NOTHING = 1e-14  # of the sum of absolute parts: a mass below is rounding, and the cell is without ink
 SHARE = 4096  # sites to a share of work
-Part = tuple[float, float, float, float, float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +31,10 @@ class Moments:
     centroid: Array
     covariance: Array
 
+    def __post_init__(self) -> None:
+        for values in (self.mass, self.centroid, self.covariance):
+            values.setflags(write=False)
+
     @classmethod
     def of(cls, sums: Array, about: Array, fallback: Array) -> Moments:
         """Moments from the integrals of 1, x, y, xx, xy, yy (n, 6) about the points `about` (n, 2)."""
@@ -39,11 +45,7 @@ class Moments:
         x, y = mean.T
         xx, xy, yy = (sums[:, 3:6] / over).T
         covariance = np.stack([xx - x * x, xy - x * y, xy - x * y, yy - y * y], axis=1).reshape(-1, 2, 2)
-        return cls(
-            frozen(mass, np.float64, (None,), "mass"),
-            frozen(np.where(some[:, None], about + mean, fallback), np.float64, (None, 2), "centroid"),
-            frozen(np.where(some[:, None, None], covariance, 0.0), np.float64, (None, 2, 2), "covariance"),
-        )
+        return cls(mass.copy(), np.where(some[:, None], about + mean, fallback), np.where(some[:, None, None], covariance, 0.0))
 
 
 def of_rings(rings: Paths, fallback: npt.ArrayLike | None = None) -> Moments:
@@ -81,20 +83,25 @@ def of_tone(cells: Cells, tone: Tone) -> Moments:
     drawn = np.flatnonzero(np.diff(first))
     about[drawn] = xy[cells.clipped.start[first[drawn]]]
     if net is not None and len(cells.whole):
-        about[net.unique[cells.whole]] = net.centres[net.fans.begin[cells.whole]] / (dx, dy)
-    about = np.clip(np.floor(about), 0, np.array(tone.coverage.shape)[::-1] - 1.0)
-    shared_out(lambda lo, hi: _edges(tone.prefix, xy, cells.clipped.start, first, about, sums, box, lo, hi), n)
-    if net is not None and len(cells.whole):
-        own = np.zeros(len(net.unique), np.bool_)
-        own[cells.whole] = True
         fans = net.fans._replace(centres=net.centres / (dx, dy))
-        shared_out(lambda lo, hi: _fans(tone.prefix, fans, net.unique, own, about, sums, box, lo, hi), -(-len(own) // SHARE), 1)
-    sums[np.abs(sums[:, 0]) < NOTHING * sums[:, 6]] = 0
-    sums = sums[:, :6] * dx * dy * np.array([1, dx, dy, dx * dx, dx * dy, dy * dy])
-    found = Moments.of(sums, about * (dx, dy), cells.sites)
-    # next to no ink in a corner is rounding of the whole pixels beside it: it may not lead out of the cell
-    held = np.clip(found.centroid, box[:, :2] * (dx, dy), box[:, 2:] * (dx, dy))
-    return replace(found, centroid=np.where(found.mass[:, None] > 0, held, found.centroid))
+        about[net.unique[cells.whole]] = fans.centres[fans.begin[cells.whole]]
+    about = np.clip(np.floor(about), 0, np.array(tone.coverage.shape)[::-1] - 1.0)
+    for band in _bands(tone):
+        shared_out(partial(_edges, band, xy, cells.clipped.start, first, about, sums, box), n)
+        if net is not None and len(cells.whole):
+            lower, upper, _ = net.surveyed
+            own = np.zeros(len(net.unique), np.bool_)
+            own[cells.whole] = True
+            own &= (lower[:, 1] < (band.top + len(band.prefix)) * dy) & (upper[:, 1] >= band.top * dy)
+            shared_out(partial(_fans, band, fans, net.unique, own, about, sums, box), -(-len(own) // SHARE), 1)
+    mass, centroid, covariance = np.empty(n), np.empty((n, 2)), np.empty((n, 2, 2))
+    shared_out(lambda lo, hi: _finished(sums, about, box, cells.sites, dx, dy, mass, centroid, covariance, lo, hi), n)
+    return Moments(mass, centroid, covariance)
+
+
+def _bands(tone: Tone) -> Iterator[Band]:
+    """The whole picture."""
+    yield Band(tone.prefix, 0, len(tone.coverage))
 
 
 def along(tone: Tone, lines: Array) -> Array:
@@ -132,7 +139,7 @@ def _crossed(coverage: Array, lines: Array, mean: Array) -> None:
 
 
 @compiled
-def _edges(prefix: Array, xy: Array, start: Index, first: Index, about: Array, sums: Array, box: Array, lo: int, hi: int) -> None:
+def _edges(band: Band, xy: Array, start: Index, first: Index, about: Array, sums: Array, box: Array, lo: int, hi: int) -> None:
     """Adds the integrals along the rings of sites lo to hi, in pixels about a pixel's corner each, and widens the cells' boxes.
 
     Six integrals each, and the sum of the absolute parts of the first.
@@ -142,14 +149,14 @@ def _edges(prefix: Array, xy: Array, start: Index, first: Index, about: Array, s
             before = start[ring + 1] - 1
             for k in range(start[ring], start[ring + 1]):
                 _widened(box[site], xy[k, 0], xy[k, 1])
-                part = _edge(prefix, about[site, 0], about[site, 1], xy[before, 0], xy[before, 1], xy[k, 0], xy[k, 1])
+                part = edge(band, about[site, 0], about[site, 1], xy[before, 0], xy[before, 1], xy[k, 0], xy[k, 1])
                 _added(sums[site], part)
                 before = k
 
 
 @compiled
 def _fans(
-    prefix: Array, net: Fans, unique: Index, own: npt.NDArray[np.bool_], about: Array, sums: Array, box: Array, lo: int, hi: int
+    band: Band, net: Fans, unique: Index, own: npt.NDArray[np.bool_], about: Array, sums: Array, box: Array, lo: int, hi: int
 ) -> None:
     """Adds the integrals of cells that are their net's own, in shares lo to hi of the sites.
 
@@ -172,11 +179,34 @@ def _fans(
                     both = about[unique[other], 0] // BLOCK == about[site, 0] // BLOCK
                 if both and other < i:
                     continue  # when it was the other's turn
-                part = _edge(prefix, about[site, 0], about[site, 1], x0, y0, x1, y1)
+                part = edge(band, about[site, 0], about[site, 1], x0, y0, x1, y1)
                 _added(sums[site], part)
                 if both:
                     twin = unique[other]
                     _taken(sums[twin], part, about[site, 0] - about[twin, 0], about[site, 1] - about[twin, 1])
+
+
+@compiled
+def _finished(
+    sums: Array, about: Array, box: Array, sites: Array, dx: float, dy: float,
+    mass: Array, centroid: Array, covariance: Array, lo: int, hi: int,
+) -> None:  # fmt: skip
+    """Moments in mm of sums in pixels, of sites lo to hi."""
+    for i in range(lo, hi):
+        m = sums[i, 0]
+        if abs(m) < NOTHING * sums[i, 6] or m == 0:
+            mass[i], centroid[i, 0], centroid[i, 1] = 0.0, sites[i, 0], sites[i, 1]
+            covariance[i] = 0.0
+            continue
+        x, y = sums[i, 1] / m, sums[i, 2] / m
+        mass[i] = m * dx * dy
+        covariance[i, 0, 0] = (sums[i, 3] / m - x * x) * dx * dx
+        covariance[i, 0, 1] = covariance[i, 1, 0] = (sums[i, 4] / m - x * y) * dx * dy
+        covariance[i, 1, 1] = (sums[i, 5] / m - y * y) * dy * dy
+        x, y = about[i, 0] + x, about[i, 1] + y
+        if m > 0:  # next to no ink in a corner is rounding of the whole pixels beside it: it may not lead out of the cell
+            x, y = min(max(x, box[i, 0]), box[i, 2]), min(max(y, box[i, 1]), box[i, 3])
+        centroid[i, 0], centroid[i, 1] = x * dx, y * dy
 
 
 @compiled
@@ -201,81 +231,3 @@ def _taken(sums: Array, part: Part, x: float, y: float) -> None:
     sums[4] -= xy + x * my + y * mx + x * y * m
     sums[5] -= yy + 2 * y * my + y * y * m
     sums[6] += size
-
-
-@compiled
-def _edge(prefix: Array, left: float, top: float, x0: float, y0: float, x1: float, y1: float) -> Part:
-    """The integrals of 1, x, y, xx, xy, yy times the coverage left of an edge, about (left, top), and the absolute parts of the first.
-
-    Pixel by pixel along it. Where "left" begins is one and the same for a row, and cancels round a ring.
-    """
-    m = mx = my = xx = xy = yy = size = 0.0
-    dx, dy = x1 - x0, y1 - y0
-    if dy == 0:  # along a row there is nothing to integrate
-        return m, mx, my, xx, xy, yy, size
-    rows, columns = prefix.shape[0], prefix.shape[1]
-    i = min(max(int(np.floor(x0)), 0), columns - 1)
-    j = min(max(int(np.floor(y0)), 0), rows - 1)
-    i_end = min(max(int(np.floor(x1)), 0), columns - 1)
-    j_end = min(max(int(np.floor(y1)), 0), rows - 1)
-    right, down = 1 if dx > 0 else -1, 1 if dy > 0 else -1
-    # where along the edge, 0 to 1, it crosses into the next column and the next row
-    across, along = 1 / dx if i != i_end else 0.0, 1 / dy
-    x_at = ((i + (right > 0)) - x0) * across if i != i_end else 2.0
-    y_at = ((j + (down > 0)) - y0) * along if j != j_end else 2.0
-    t = 0.0
-    while True:
-        until = min(x_at, y_at, 1.0)
-        if until > t:
-            a0, a1, a2 = _before(prefix, int(left), i, j)
-            rho, edge = prefix[j, i, 3], i - left
-            a0, a1, a2 = a0 - rho * edge, a1 - rho * edge * edge / 2, a2 - rho * edge * edge * edge / 3
-            half, way = (t + until) / 2, (until - t) / 2
-            # the middle of the piece and half of its way: means along it of powers of x and y
-            x, y, u, v, h = x0 + half * dx - left, y0 + half * dy - top, way * dx, way * dy, 2 * way * dy
-            uu, uv, vv = u * u / 3, u * v / 3, v * v / 3
-            r0 = a0 + rho * x
-            r1 = a1 + rho * (x * x + uu) / 2
-            m += h * r0
-            size += abs(h * r0)
-            mx += h * r1
-            my += h * (r0 * y + rho * uv)
-            xx += h * (a2 + rho * x * (x * x + 3 * uu) / 3)
-            xy += h * (r1 * y + rho * x * uv)
-            yy += h * (r0 * (y * y + vv) + 2 * rho * y * uv)
-            t = until
-        if i == i_end and j == j_end:
-            if t >= 1.0:
-                break
-            x_at = y_at = 2.0
-        elif x_at <= y_at:
-            i += right
-            x_at = ((i + (right > 0)) - x0) * across if i != i_end else 2.0
-        else:
-            j += down
-            y_at = ((j + (down > 0)) - y0) * along if j != j_end else 2.0
-    return m, mx, my, xx, xy, yy, size
-
-
-@compiled
-def _before(prefix: Array, left: int, i: int, j: int) -> tuple[float, float, float]:
-    """The sums of coverage times 1, x, x^2 over the pixels of row j from the block of `left` to column i, x counted from `left`."""
-    block = i // BLOCK
-    a0, a1, a2 = _about(prefix[j, i, 0], prefix[j, i, 1], prefix[j, i, 2], float(block * BLOCK - left))
-    low, high, sign = (left // BLOCK, block, 1.0) if block >= left // BLOCK else (block, left // BLOCK, -1.0)
-    for b in range(low, high):
-        end = (b + 1) * BLOCK - 1  # the block's last pixel makes its sums whole
-        rho = prefix[j, end, 3]
-        e0, e1 = float(BLOCK - 1), float(BLOCK)
-        s0 = prefix[j, end, 0] + rho
-        s1 = prefix[j, end, 1] + rho * (e1 * e1 - e0 * e0) / 2
-        s2 = prefix[j, end, 2] + rho * (e1 * e1 * e1 - e0 * e0 * e0) / 3
-        s0, s1, s2 = _about(s0, s1, s2, float(b * BLOCK - left))
-        a0, a1, a2 = a0 + sign * s0, a1 + sign * s1, a2 + sign * s2
-    return a0, a1, a2
-
-
-@compiled
-def _about(s0: float, s1: float, s2: float, shift: float) -> tuple[float, float, float]:
-    """Sums of 1, x, x^2 with every x larger by `shift`."""
-    return s0, s1 + shift * s0, s2 + 2 * shift * s1 + shift * shift * s0
