@@ -13,8 +13,8 @@ import numpy as np
 SETTING = "CROWQUILL_MEMORY"  # of the environment: gigabytes that may be taken, or any
 PROCESS = Path("/proc/self")
 # Measured on drawings of 100 000 to a million dots on 4 and 16 Mpx, from the plan to the written file, a tenth added.
-A_DOT = 1200  # bytes: cells, moments, outlines
-A_PIXEL = 40  # bytes: the weight of cells, and its sums along rows
+A_DOT = 900  # bytes: cells, moments, outlines
+A_PIXEL = 60  # bytes: the weight of cells, and its sums along rows
 
 
 class Clock:

@@ -12,7 +12,7 @@ ROWS = 16  # at least to a thread
 
 
 def averaged(values: Array | Levels, x: Array, y: Array) -> Array:
-    """Means (m, n) of values (h, w), or of levels, each the height of a square, over the boxes between x (n + 1,) and y (m + 1,), both rising.
+    """Means (m, n) of values (h, w), or levels, each the height of a square, over the boxes between x (n + 1,) and y (m + 1,), both rising.
 
     x and y count pixels from the first corner, in any part of one; beyond the pixels there is nothing, which counts as 0.
 
