@@ -14,7 +14,7 @@ SETTING = "CROWQUILL_MEMORY"  # of the environment: gigabytes that may be taken,
 PROCESS = Path("/proc/self")
 # Measured on drawings of 100 000 to a million dots on 4 and 16 Mpx, from the plan to the written file, a tenth added.
 A_DOT = 900  # bytes: cells, moments, outlines
-A_PIXEL = 60  # bytes: the weight of cells, and its sums along rows
+A_PIXEL = 45  # bytes: the weight of cells, and its sums along rows
 
 
 class Clock:

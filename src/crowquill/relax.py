@@ -111,7 +111,7 @@ def _by_levels(tone: Tone, n: int, rng: np.random.Generator) -> Array:
         state = next(islice(states, LEVELS[min(done, 1)], None))
         if not count:
             return state.sites
-        level = _coarser(tone, count) if count < n else tone
+        level = _coarser(tone, count) if count < n else tone.holding(tone.levels)  # whose sums go with it
         sites = refining.refined(state.cells, level, count, rng)
     return sites
 
