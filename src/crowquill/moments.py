@@ -17,7 +17,9 @@ from crowquill.strips import Band, Part, edge
 from crowquill.tone import BLOCK, Tone
 
 NOTHING = 1e-14  # of the sum of absolute parts: a mass below is rounding, and the cell is without ink
+FAINT = 1e-6  # of that sum: of less than this, rounding may lead the centroid out of the cell
 SHARE = 4096  # sites to a share of work
+Corners = npt.NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,24 +81,44 @@ def of_tone(cells: Cells, tone: Tone) -> Moments:
     dx, dy = tone.pixel
     n, net = len(cells.sites), cells.net
     xy, first = cells.clipped.xy / (dx, dy), np.append(0, np.cumsum(np.bincount(cells.of, minlength=n)))
-    about, box, sums = np.zeros((n, 2)), np.tile([np.inf, np.inf, -np.inf, -np.inf], (n, 1)), np.zeros((n, 7))
+    corner, sums = np.zeros((n, 2)), np.zeros((n, 7))
     drawn = np.flatnonzero(np.diff(first))
-    about[drawn] = xy[cells.clipped.start[first[drawn]]]
+    corner[drawn] = xy[cells.clipped.start[first[drawn]]]
     if net is not None and len(cells.whole):
         fans = net.fans._replace(centres=net.centres / (dx, dy))
-        about[net.unique[cells.whole]] = fans.centres[fans.begin[cells.whole]]
-    about = np.clip(np.floor(about), 0, np.array(tone.coverage.shape)[::-1] - 1.0)
+        corner[net.unique[cells.whole]] = fans.centres[fans.begin[cells.whole]]
+    about = np.clip(np.floor(corner, out=corner), 0, np.array(tone.coverage.shape)[::-1] - 1).astype(np.int32)
     for band in _bands(tone):
-        shared_out(partial(_edges, band, xy, cells.clipped.start, first, about, sums, box), n)
+        shared_out(partial(_edges, band, xy, cells.clipped.start, first, about, sums), n)
         if net is not None and len(cells.whole):
-            lower, upper, _ = net.surveyed
             own = np.zeros(len(net.unique), np.bool_)
             own[cells.whole] = True
-            own &= (lower[:, 1] < (band.top + len(band.prefix)) * dy) & (upper[:, 1] >= band.top * dy)
-            shared_out(partial(_fans, band, fans, net.unique, own, about, sums, box), -(-len(own) // SHARE), 1)
+            if len(band.prefix) < band.rows:
+                lower, upper, _ = net.surveyed
+                own &= (lower[:, 1] < (band.top + len(band.prefix)) * dy) & (upper[:, 1] >= band.top * dy)
+            shared_out(partial(_fans, band, fans, net.unique, own, about, sums), -(-len(own) // SHARE), 1)
     mass, centroid, covariance = np.empty(n), np.empty((n, 2)), np.empty((n, 2, 2))
-    shared_out(lambda lo, hi: _finished(sums, about, box, cells.sites, dx, dy, mass, centroid, covariance, lo, hi), n)
+    shared_out(lambda lo, hi: _finished(sums, about, cells.sites, dx, dy, mass, centroid, covariance, lo, hi), n)
+    # next to no ink in a corner is rounding of the whole pixels beside it: it may not lead out of the cell
+    faint = np.flatnonzero((mass > 0) & (sums[:, 0] < FAINT * sums[:, 6]))
+    if len(faint):
+        centroid[faint] = np.clip(centroid[faint], *_boxes(cells, faint))
     return Moments(mass, centroid, covariance)
+
+
+def _boxes(cells: Cells, which: Index) -> tuple[Array, Array]:
+    """The least and the greatest coordinates of these sites' cells, (k, 2) mm each."""
+    drawn = np.flatnonzero(np.isin(cells.of, which))
+    parts = [(cells.clipped.take(drawn), cells.of[drawn])]
+    if cells.net is not None:
+        own = cells.whole[np.isin(cells.net.unique[cells.whole], which)]
+        parts.append((cells.net.rings(own), cells.net.unique[own]))
+    low, high = np.full((len(which), 2), np.inf), np.full((len(which), 2), -np.inf)
+    for rings, of in parts:
+        place = np.searchsorted(which, of)[rings.path]
+        np.minimum.at(low, place, rings.xy)
+        np.maximum.at(high, place, rings.xy)
+    return low, high
 
 
 def _bands(tone: Tone) -> Iterator[Band]:
@@ -139,8 +161,8 @@ def _crossed(coverage: Array, lines: Array, mean: Array) -> None:
 
 
 @compiled
-def _edges(band: Band, xy: Array, start: Index, first: Index, about: Array, sums: Array, box: Array, lo: int, hi: int) -> None:
-    """Adds the integrals along the rings of sites lo to hi, in pixels about a pixel's corner each, and widens the cells' boxes.
+def _edges(band: Band, xy: Array, start: Index, first: Index, about: Corners, sums: Array, lo: int, hi: int) -> None:
+    """Adds the integrals along the rings of sites lo to hi, in pixels about a pixel's corner each.
 
     Six integrals each, and the sum of the absolute parts of the first.
     """
@@ -148,16 +170,13 @@ def _edges(band: Band, xy: Array, start: Index, first: Index, about: Array, sums
         for ring in range(first[site], first[site + 1]):
             before = start[ring + 1] - 1
             for k in range(start[ring], start[ring + 1]):
-                _widened(box[site], xy[k, 0], xy[k, 1])
                 part = edge(band, about[site, 0], about[site, 1], xy[before, 0], xy[before, 1], xy[k, 0], xy[k, 1])
                 _added(sums[site], part)
                 before = k
 
 
 @compiled
-def _fans(
-    band: Band, net: Fans, unique: Index, own: npt.NDArray[np.bool_], about: Array, sums: Array, box: Array, lo: int, hi: int
-) -> None:
+def _fans(band: Band, net: Fans, unique: Index, own: npt.NDArray[np.bool_], about: Corners, sums: Array, lo: int, hi: int) -> None:
     """Adds the integrals of cells that are their net's own, in shares lo to hi of the sites.
 
     An edge between two cells of a share is integrated once for both, if sums to its left begin in one block for both. A share is
@@ -172,7 +191,6 @@ def _fans(
             for _ in range(net.degree[i]):
                 beyond, other = after(net, now, i)
                 x0, y0, x1, y1 = net.centres[now, 0], net.centres[now, 1], net.centres[beyond, 0], net.centres[beyond, 1]
-                _widened(box[site], x0, y0)
                 now = beyond
                 both = low <= other < high and own[other]
                 if both:
@@ -188,7 +206,7 @@ def _fans(
 
 @compiled
 def _finished(
-    sums: Array, about: Array, box: Array, sites: Array, dx: float, dy: float,
+    sums: Array, about: Corners, sites: Array, dx: float, dy: float,
     mass: Array, centroid: Array, covariance: Array, lo: int, hi: int,
 ) -> None:  # fmt: skip
     """Moments in mm of sums in pixels, of sites lo to hi."""
@@ -203,15 +221,7 @@ def _finished(
         covariance[i, 0, 0] = (sums[i, 3] / m - x * x) * dx * dx
         covariance[i, 0, 1] = covariance[i, 1, 0] = (sums[i, 4] / m - x * y) * dx * dy
         covariance[i, 1, 1] = (sums[i, 5] / m - y * y) * dy * dy
-        x, y = about[i, 0] + x, about[i, 1] + y
-        if m > 0:  # next to no ink in a corner is rounding of the whole pixels beside it: it may not lead out of the cell
-            x, y = min(max(x, box[i, 0]), box[i, 2]), min(max(y, box[i, 1]), box[i, 3])
-        centroid[i, 0], centroid[i, 1] = x * dx, y * dy
-
-
-@compiled
-def _widened(box: Array, x: float, y: float) -> None:
-    box[0], box[1], box[2], box[3] = min(box[0], x), min(box[1], y), max(box[2], x), max(box[3], y)
+        centroid[i, 0], centroid[i, 1] = (about[i, 0] + x) * dx, (about[i, 1] + y) * dy
 
 
 @compiled
