@@ -184,3 +184,9 @@ print(int((peak() - before) / 1024))
     numbers, _ = memory.taken(code, str(tmp_path / "wave.png"))
     foretold = expense.relaxed(150_000, (800, 1000)) / 1e6
     assert 0.4 * foretold < numbers[0] < foretold, (numbers, foretold)
+
+
+def test_a_start_leaves_no_sums_with_the_tone() -> None:
+    tone = Tone(wave(200, 200), (100, 100))
+    assert len(relax.scatter(tone, 6000, np.random.default_rng(0), "levels")) == 6000
+    assert "prefix" not in vars(tone)
