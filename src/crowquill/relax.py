@@ -111,7 +111,7 @@ def _by_levels(tone: Tone, n: int, rng: np.random.Generator) -> Array:
         state = next(islice(states, LEVELS[min(done, 1)], None))
         if not count:
             return state.sites
-        level = _coarser(tone, count) if count < n else tone.holding(tone.levels)  # whose sums go with it
+        level = _coarser(tone, count) if count < n else tone.holding(tone.levels)
         sites = refining.refined(state.cells, level, count, rng)
     return sites
 
@@ -121,7 +121,7 @@ def _coarser(tone: Tone, n: int) -> Tone:
     h, w = tone.shape
     over = int(np.sqrt(h * w / (PIXELS_ENOUGH * n)))
     if over < 2:
-        return tone
+        return tone.holding(tone.levels)  # whose sums go with it
     rows, columns = -(-h // over), -(-w // over)
     fewer = averaged(tone.levels, np.linspace(0, w, columns + 1), np.linspace(0, h, rows + 1))
     return Tone(np.clip(fewer, 0, 1), tone.size, tone.canvas)
