@@ -14,7 +14,7 @@ from crowquill.cells import Cells, voronoi
 from crowquill.paths import Array
 from crowquill.tone import Tone
 
-SHAKEN = 0.15  # spacings, root mean square each way: without it lattices of few sites grow to four times as many
+SHAKEN = 0.1  # spacings, root mean square each way: without it lattices of few sites grow to four times as many
 
 
 def refined(cells: Cells, tone: Tone, n: int, rng: np.random.Generator) -> Array:
