@@ -21,10 +21,12 @@ units kernel
 knobs
 paths
 heap
-hilbert halftone exact vector picture lettering marks hatching
+levels
+expense greys hilbert
+halftone exact vector picture lettering marks hatching
 regular mending
 circles
-light delaunay frontier
+light footprint delaunay frontier
 tone tracing sheet curves
 cells glyphs raster forme scale plotforms greydots printable inks
 trimming plots strips

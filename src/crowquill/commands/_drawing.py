@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from crowquill import making, options, plotting, styles
+from crowquill import expense, making, options, plotting, styles
 from crowquill.commands import say
 from crowquill.commands._running import Run, long, silence
 from crowquill.recipe import PICTURE, Recipe, files_of
@@ -70,5 +70,8 @@ def _foretold(facts: Mapping[str, float], tone: Tone, page: tuple[float, float])
     say(f"art    {tone.size[0]:.4g} x {tone.size[1]:.4g} mm")
     say(f"ink    {tone.ink:.1f} mm2 asked")
     for name, value in facts.items():
-        say(f"{name:<6} {value:g}" if name not in TIMES else f"{TIMES[name]:<6} about {long(value)}")
+        if name == "bytes":
+            say(f"memory about {expense.said(expense.held() + value)}")
+        else:
+            say(f"{name:<6} {value:g}" if name not in TIMES else f"{TIMES[name]:<6} about {long(value)}")
     return 0
