@@ -40,8 +40,8 @@ styles formats
 inking
 recipe seen calibration
 making
-judge plate
-preflight
+judge plate delivery
+preflight batch
 figure editor
 __init__
 options

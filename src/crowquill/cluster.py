@@ -16,16 +16,20 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Future
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from crowquill import kernel
 from crowquill.processes import ENDED, Heard, LostError, Processes, Workers, told
 
-__all__ = ["LostError", "Workers", "at", "tell", "workers"]
+__all__ = ["GoneError", "LostError", "Workers", "at", "tell", "workers"]
 
 PATIENCE = 5.0  # s until a scheduler, or its first worker, must have answered
 TOPIC = "crowquill"  # of what tasks on a cluster tell
+
+
+class GoneError(LostError):
+    """The scheduler is gone, and all that it had with it."""
 
 
 @contextlib.contextmanager
@@ -77,7 +81,6 @@ class _Cluster(Workers):
 
     def __init__(self, scheduler: str, heard: Heard | None) -> None:
         self._scheduler, self._avoided, self._closed = scheduler, set[str](), False
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what is wrong is said once, by us
         self._client = _connected(scheduler)
         try:
             if heard:
@@ -90,7 +93,12 @@ class _Cluster(Workers):
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """The future of fn(*args, **kwargs) on a worker that is not avoided."""
         where = {"workers": self._others()} if self._avoided else {}
-        given, future = self._client.get_executor(pure=False, **where).submit(fn, *args, **kwargs), Future[Any]()
+        if where == {"workers": []}:
+            raise GoneError(f"{self._scheduler}: no worker is left that has room; free some space there")
+        future = Future[Any]()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of tasks with pictures in them; one that is scattered is lost with its worker
+            given = self._client.get_executor(pure=False, **where).submit(fn, *args, **kwargs)
         future.add_done_callback(lambda done: done.cancelled() and given.cancel())
         given.add_done_callback(lambda given: self._passed_on(given, future))
         return future
@@ -101,7 +109,7 @@ class _Cluster(Workers):
             return
         if given.cancelled():
             future.set_exception(
-                CancelledError() if self._closed else LostError(f"{self._scheduler}: the scheduler is gone; begin it again")
+                CancelledError() if self._closed else GoneError(f"{self._scheduler}: the scheduler is gone; begin it again")
             )
         elif (error := given.exception()) is None:
             future.set_result(given.result())
@@ -123,17 +131,23 @@ class _Cluster(Workers):
 
     def _prepared(self) -> int:
         """How many tasks the workers run side by side, once each is of our version and has its share of its machine's cores."""
-        ours = version("crowquill")
-        for address, theirs in self._client.run(version, "crowquill", on_error="return").items():
-            if theirs != ours:
+        found = {f"worker {address}": theirs for address, theirs in self._client.run(version, "crowquill", on_error="return").items()}
+        with contextlib.suppress(PackageNotFoundError):
+            found["the scheduler"] = self._client.run_on_scheduler(version, "crowquill")  # it takes tasks apart
+        for who in ("the scheduler", *found):
+            if (theirs := found.get(who)) != (ours := version("crowquill")):
                 what = f"crowquill {theirs}" if isinstance(theirs, str) else "no crowquill"
-                raise ValueError(f"{self._scheduler}: worker {address} has {what}, here is {ours}; install the same there")
+                raise ValueError(f"{self._scheduler}: {who} has {what}, here is {ours}; install the same there")
         threads: dict[str, int] = self._client.nthreads()
         hosts = {address: address.rsplit(":", 1)[0] for address in threads}
         for host in set(hosts.values()):
             those = [address for address in threads if hosts[address] == host]
             self._client.run(kernel.share, sum(threads[address] for address in those), workers=those)
         return sum(threads.values())
+
+
+def _silent(_: logging.LogRecord) -> bool:
+    return False
 
 
 def _connected(scheduler: str) -> Any:
@@ -144,6 +158,8 @@ def _connected(scheduler: str) -> Any:
         raise ValueError('a scheduler takes Dask; install it with: pip install "crowquill[cluster]"') from None
     if not re.fullmatch(r"(tcp|tls|wss?)://.+:\d{1,5}", scheduler):
         raise ValueError(f"{scheduler!r} is no address of a scheduler; give one such as tcp://host:8786")
+    for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
+        logging.getLogger(name).addFilter(_silent)  # what is wrong is said once, by us
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of versions of other packages

@@ -111,7 +111,9 @@ def recipe(data: bytes, name: str) -> tuple[dict[str, Any], dict[str, bytes]]:
             notes: Any = image.info if image.format == "PNG" else getattr(image, "tag_v2", {})
             found = json.loads(str(notes.get(KEYWORD if image.format == "PNG" else DESCRIPTION, "{}")))
     except (OSError, SyntaxError, ValueError, RecursionError) as error:
-        raise ValueError(f"{name}: no recipe can be read from it ({' '.join(str(error).split())[:80]}); give the file as drawn") from None
+        raise ValueError(
+            f"{name}: no recipe can be read from it ({' '.join(str(error).split(' <_io')[0].split())[:80]}); give the file as drawn"
+        ) from None
     if not isinstance(found, dict) or not found:
         raise ValueError(f"{name}: keeps no recipe of crowquill; give a picture that it drew")
     return found, {}
