@@ -41,7 +41,7 @@ inking
 recipe seen calibration
 making
 judge plate delivery
-preflight batch
+preflight batch service
 figure editor
 __init__
 options

@@ -9,7 +9,7 @@ from typing import Any
 
 from crowquill import formats, making, styles
 from crowquill.recipe import Recipe
-from crowquill.sheet import Step
+from crowquill.sheet import Sheet, Step
 
 Planned = Callable[[tuple[float, float], Mapping[str, float]], None]
 
@@ -29,14 +29,19 @@ def delivered(
     *,
     planned: Planned = lambda *_: None,
     watch: Callable[[Step], None] | None = None,
+    drawn: Callable[[Sheet], None] = lambda _: None,
 ) -> Delivered:
     """What the recipe draws of its sources, as files of these names, whose suffixes are their formats: the bytes that saving gives.
 
     planned  is called once it is known what will be drawn, before the work, with the paper's sides in mm and the first Step's facts
-    watch    sees each Step; what either raises ends the work
+    watch    sees each Step, and `drawn` the sheet before it is written; what any of them raises ends the work
 
     Raises the ValueError of a setting, a source or a format that cannot be followed.
     """
+    modules = {name: formats.module(Path(name).suffix[1:].lower(), name) for name in names}
+    for name, module in modules.items():
+        if getattr(module, "STROKES", False) and wanted.plot["purpose"] != "plotter":
+            raise ValueError(f"{name}: takes strokes only, and the recipe is not for a plotter; write an SVG or a PDF")
     size, tone, over = making.laid_out(wanted, paths)
     work = making.steps(wanted, paths, size, tone, over)
     first, files = next(work), wanted.with_paths(paths).files
@@ -47,6 +52,7 @@ def delivered(
     if watch:
         watch(first)
     sheet = styles.run(work, watch)
+    drawn(sheet)
     made = {name: formats.to_bytes(sheet, Path(name).suffix[1:].lower(), **taken[name]) for name in names}
     remarks = styles.remarks(sheet.report, [formats.shown(Path(name), files) for name in names])
     warnings = [*tone.notes, *sheet.report["warnings"], *remarks]
