@@ -287,10 +287,10 @@ def test_notes_that_many_share_are_said_once(capfd):
     jobs = [Job(f"p{k}.png", (Path(f"p{k}.svg"),), lambda _: ({}, {})) for k in range(3)]
     told = _telling.Told(jobs, None, False, [])
     for job in reversed(jobs):
-        told.add(Outcome(job, "drawn", {"warnings": ["is in CMYK", *(["is odd"] if job is jobs[1] else [])]}))
+        told.add(Outcome(job, "drawn", {"warnings": [f"{jobs.index(job)}.5% of it is dark", *(["is odd"] if job is jobs[1] else [])]}))
     assert told.end() == 0
     said = capfd.readouterr()
-    assert said.err.splitlines() == ["crowquill: note: p0.png and 2 more: is in CMYK", "crowquill: note: p1.png: is odd"]
+    assert said.err.splitlines() == ["crowquill: note: p0.png and 2 more: 0.5% of it is dark", "crowquill: note: p1.png: is odd"]
     assert [line.split()[0] for line in said.out.splitlines()[1:4]] == ["p0.png", "p1.png", "p2.png"]
 
 

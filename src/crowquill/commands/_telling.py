@@ -6,6 +6,7 @@ import contextlib
 import csv
 import io
 import json
+import re
 import shutil
 import sys
 import threading
@@ -82,11 +83,7 @@ class Told:
         if self._report and str(self._report) != "-":
             text = _csv(rows) if self._report.suffix.lower() == ".csv" else f"{json.dumps(told, indent=2)}\n"
             formats.replace_files([(self._report, lambda file: file.write(text.encode("utf-8", "replace")))])
-        warnings: dict[str, list[str]] = {}
-        for row in rows:
-            for text in row["warnings"]:
-                warnings.setdefault(text, []).append(row["drawing"])
-        for text, names in warnings.items():
+        for text, names in _alike(rows):
             note(f"{names[0]}{f' and {len(names) - 1} more' if len(names) > 1 else ''}: {text}")
         if self._report and str(self._report) == "-":
             say(json.dumps(told, indent=2))
@@ -158,6 +155,15 @@ def _row(outcome: Outcome) -> dict[str, Any]:
     about = {"drawing": outcome.job.name, "status": outcome.status, "files": files, **shared, "width_mm": width, "height_mm": height}
     more = {"seconds": report.get("seconds", {}).get("total"), "warnings": list(report.get("warnings", ())), "error": ""}
     return {key: (about | more)[key] for key in COLUMNS}
+
+
+def _alike(rows: Sequence[Mapping[str, Any]]) -> list[tuple[str, list[str]]]:
+    """Warnings with the drawings that they are of; of those that differ in numbers alone the first stands for all."""
+    found: dict[str, tuple[str, list[str]]] = {}
+    for row in rows:
+        for text in row["warnings"]:
+            found.setdefault(re.sub(r"\d+", "0", text), (text, []))[1].append(row["drawing"])
+    return list(found.values())
 
 
 def _words(error: Exception) -> Exception | str:
