@@ -61,10 +61,9 @@ def compared(times: int) -> None:
             least[workers] = min(turn[0] for turn in turns), min(turn[1] for turn in turns)
             print(f"{DRAWINGS} drawings of {DOTS} dots, {workers} worker{'s'[: workers - 1]}:", end=" ")
             print(", ".join(f"{a:.1f} s, {b:.1f} s of the busier worker, {c:.1f} s of all else" for a, b, c in turns))
-        load = os.getloadavg()[0]
-        print(
-            f"two against one: {least[1][0] / least[2][0]:.2f} times as fast, {least[1][1] / least[2][1]:.2f} times by processors; load {load:.1f}"
-        )
+        clock, processors = (one / two for one, two in zip(least[1], least[2], strict=True))
+        print(f"two against one: {clock:.2f} times as fast, {processors:.2f} times by processors", end="; ")
+        print(f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors")
 
 
 if __name__ == "__main__":

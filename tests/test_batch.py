@@ -425,6 +425,21 @@ def test_sources_kept_in_a_drawing_reach_a_cluster(dask):
     assert Path("out/b.svg").read_bytes() == Path("b.svg").read_bytes()
 
 
+def test_a_source_that_goes_away_before_it_is_sent_fails_alone(inline, capfd, monkeypatch):
+    original = Path.read_bytes
+
+    def read_bytes(path: Path) -> bytes:
+        if path.name == "p1.png":
+            raise FileNotFoundError(errno.ENOENT, "No such file or directory", str(path))
+        return original(path)
+
+    monkeypatch.setattr(inline, "here", False)
+    monkeypatch.setattr(Path, "read_bytes", read_bytes)
+    assert batch(*PICTURES[:3], *SETTINGS, "--quiet") == 1
+    assert capfd.readouterr().err == "crowquill: p1.png: no such file or directory; check the name\n"
+    assert set(held("out")) == {"p0.svg", "p2.svg"}
+
+
 FULL = """
 import errno, pathlib
 original = pathlib.Path.write_bytes

@@ -202,11 +202,16 @@ class _Task:
     folder: Path
 
     def given(self, pool: Workers) -> Future[Delivered]:
-        """Its future, once it is handed out; workers elsewhere get what its sources hold."""
+        """Its future, once it is handed out; workers elsewhere get what its sources hold, and where that is gone it is so at once."""
         names = [path.name for path in self.job.out]
         if pool.here:
             return pool.submit(_drawn, self.wanted, dict(self.paths), names, self.token)
-        held = {key: (path, path.read_bytes()) for key, path in self.paths.items()}
+        try:
+            held = {key: (path, path.read_bytes()) for key, path in self.paths.items()}
+        except OSError as error:
+            gone = Future[Delivered]()
+            gone.set_exception(error)
+            return gone
         return pool.submit(_carried, self.wanted, held, names, self.token)
 
 
