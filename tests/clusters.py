@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 HERE = Path(__file__).parent
-PATIENCE = 60  # s, a guard against a hang
+PATIENCE = 240  # s, a guard against a hang
 
 
 class Cluster:

@@ -375,6 +375,7 @@ def test_a_command_that_is_killed_and_begun_again_makes_every_drawing_once(slow)
     clusters.waited_for(lambda: not any(alive(worker) for worker in workers))
 
 
+@pytest.mark.soak
 def test_a_worker_that_is_killed_costs_no_drawing(slow):
     with subprocess.Popen(COMMAND, stderr=subprocess.PIPE, text=True) as run:
         clusters.waited_for(lines)

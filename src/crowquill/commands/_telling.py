@@ -196,7 +196,8 @@ def _table(rows: Sequence[Mapping[str, Any]]) -> str:
         table.add_column(name, justify="left" if name in ("drawing", "") else "right", overflow="fold")
     for row in rows:
         size = f"{row['width_mm']:.4g} x {row['height_mm']:.4g}" if row["width_mm"] is not None else ""
-        cells = [row["drawing"], row["status"], row["marks"], size, row["seconds"]]
+        seconds = None if row["seconds"] is None else f"{row['seconds']:.1f}"
+        cells = [row["drawing"], row["status"], row["marks"], size, seconds]
         table.add_row(*(Text(plain("" if cell is None else str(cell))) for cell in cells))
     file = io.StringIO()
     Console(file=file, width=shutil.get_terminal_size((100, 24)).columns, color_system=None).print(table)
