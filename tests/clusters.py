@@ -31,7 +31,7 @@ class Cluster:
 
         process = self._begin("worker", self.address, "--nthreads", "1", "--no-nanny", "--local-directory", str(self.folder), **environment)
         with Client(self.address, timeout=PATIENCE, set_as_default=False) as client:  # type: ignore[no-untyped-call]
-            client.wait_for_workers(len(self.processes) - 1, timeout=PATIENCE)
+            client.wait_for_workers(sum(process.poll() is None for process in self.processes[1:]), timeout=PATIENCE)
         return process
 
     def _begin(self, what: str, *arguments: str, **environment: str) -> subprocess.Popen[bytes]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import errno
+import importlib.metadata
 import inspect
 import io
 import json
@@ -21,7 +22,7 @@ from PIL import Image
 
 from crowquill import formats, styles
 from crowquill.__main__ import main
-from crowquill.batch import JOURNAL, FullError, Job, Journal, Outcome
+from crowquill.batch import JOURNAL, Job, Journal, Outcome, UnfitError
 from crowquill.cluster import GoneError, LostError, Workers
 from crowquill.commands import _telling
 from crowquill.commands.batch import _batch
@@ -464,11 +465,30 @@ def test_a_worker_whose_disk_is_full_is_said_once_and_the_others_do_its_drawings
     assert held("out") == alone(*PICTURES)
 
 
+def test_a_worker_of_another_version_that_joins_late_gets_no_drawings(inline, capfd, monkeypatch):
+    versions = iter(["0.0.9"])  # of the first worker; all others are of ours
+    monkeypatch.setattr(inline, "here", False)
+    monkeypatch.setattr(inline, "avoid", lambda _: True, raising=False)
+    submit = inline.submit
+
+    def submitted(fn, *arguments):
+        if other := next(versions, None):
+            arguments = (*arguments[:-1], other)
+        return submit(fn, *arguments)
+
+    monkeypatch.setattr(inline, "submit", submitted)
+    assert batch(*PICTURES[:2], *SETTINGS, "--quiet") == 0
+    ours = importlib.metadata.version("crowquill")
+    said = f"crowquill: note: worker : has crowquill {ours}, and 0.0.9 is wanted; install the same there, others do its drawings\n"
+    assert capfd.readouterr().err == said
+    assert held("out") == alone(*PICTURES[:2])
+
+
 def test_where_all_disks_are_full_each_worker_is_said_once_and_the_batch_ends(inline, capfd, monkeypatch):
     submit, avoided = inline.submit, []
 
     def full(*_: object) -> None:
-        raise FullError("tcp://a:1", "no space left on device")
+        raise UnfitError("tcp://a:1", "no space left on device; free some space there")
 
     def submitted(_, *arguments):
         if avoided:

@@ -103,6 +103,7 @@ def test_kills_of_workers_and_of_the_command_at_any_moment_make_every_drawing_on
                     time.sleep(chance.uniform(0, 0.5))
                 elif kill == 3:
                     dask.processes[1].kill()
+                    dask.processes[1].wait()
                     dask.worker()
                 run.kill()
             for name, when in kept.items():

@@ -13,6 +13,7 @@ import secrets
 import shutil
 import tempfile
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
@@ -57,8 +58,8 @@ class Outcome:
     error: Exception | None = None
 
 
-class FullError(Exception):
-    """A worker on a cluster has no room for what a drawing is made from."""
+class UnfitError(Exception):
+    """A worker on a cluster cannot draw, whatever it is given: its disk is full, or it is of another version."""
 
     def __init__(self, worker: str, why: str) -> None:
         super().__init__(worker, why)
@@ -100,7 +101,8 @@ class Journal:
 class Batch:
     """Jobs at work: iterating over outcomes() has them done. `tokens` says which job a message (token, stage, done, total) is from.
 
-    begun  is called with each job that is handed out; `note` with what is to be said of workers
+    overwrite  whether files that are there may be replaced
+    note       is called with what is to be said of workers
     """
 
     def __init__(
@@ -116,22 +118,18 @@ class Batch:
         run = secrets.token_hex(8)
         self.tokens = {f"{run}-{k}": job for k, job in enumerate(jobs)}
         self._journal, self._overwrite, self._note = Journal(folder), overwrite, note
-        self._full: dict[str, str] = {}
+        self._unfit: dict[str, str] = {}
 
     def outcomes(self, pool: Workers) -> Iterator[Outcome]:
         """What becomes of each job, in the order in which they are done. Who stops iterating may begin anew, and goes on.
 
         Raises GoneError where the workers are gone for good.
         """
-        waiting, running = iter(self.tokens.items()), dict[Future[Delivered], _Task]()
+        waiting, running = deque(self.tokens.items()), dict[Future[Delivered], _Task]()
         with tempfile.TemporaryDirectory(prefix="crowquill-") as inside:
-            more = True
-            while more or running:
-                while more and len(running) < 2 * pool.count:  # so that no worker waits for its next
-                    token, job = next(waiting, ("", None))
-                    if not (more := job is not None):
-                        break
-                    assert job is not None
+            while waiting or running:
+                while waiting and len(running) < 2 * pool.count:  # so that no worker waits for its next
+                    token, job = waiting.popleft()
                     found = self._ready(token, job, Path(inside) / token)
                     if isinstance(found, Outcome):
                         yield found
@@ -153,26 +151,28 @@ class Batch:
 
     def _ready(self, token: str, job: Job, folder: Path) -> _Task | Outcome:
         """The job as a task, or what has become of it already."""
+        error: Exception | None = None
         try:
             folder.mkdir()
             wanted, paths = job.find(folder)
             key = _key(wanted)
-            if self._journal.has(key, job.out):
-                return Outcome(job, "kept")
-            formats.check(job.out, overwrite=self._overwrite, sources=[*job.of, *paths.values()])
-        except (ValueError, OSError) as error:
-            return Outcome(job, "failed", error=error)
-        return _Task(token, job, key, wanted, paths, folder)
+            if not self._journal.has(key, job.out):
+                formats.check(job.out, overwrite=self._overwrite, sources=[*job.of, *paths.values()])
+                return _Task(token, job, key, wanted, paths, folder)
+        except (ValueError, OSError) as failed:
+            error = failed
+        shutil.rmtree(folder, ignore_errors=True)
+        return Outcome(job, "failed" if error else "kept", error=error)
 
     def _elsewhere(self, future: Future[Delivered], pool: Workers) -> bool:
-        """Whether the task is to be done by another worker, since the disk of the one that had it is full."""
+        """Whether the task is to be done by another worker, since the one that had it is unfit."""
         error = future.exception()
-        if not isinstance(error, FullError):
+        if not isinstance(error, UnfitError):
             return False
         left = pool.avoid(error.worker)
-        if error.worker not in self._full:
-            self._full[error.worker] = error.why
-            self._note(f"worker {error.worker}: {error.why}; free some space there{', others do its drawings' if left else ''}")
+        if error.worker not in self._unfit:
+            self._unfit[error.worker] = error.why
+            self._note(f"worker {error.worker}: {error.why}{', others do its drawings' if left else ''}")
         return left
 
     def _done(self, task: _Task, future: Future[Delivered]) -> Outcome:
@@ -212,7 +212,7 @@ class _Task:
             gone = Future[Delivered]()
             gone.set_exception(error)
             return gone
-        return pool.submit(_carried, self.wanted, held, names, self.token)
+        return pool.submit(_carried, self.wanted, held, names, self.token, version("crowquill"))
 
 
 def _drawn(wanted: Recipe, paths: Mapping[str, Path], names: Sequence[str], token: str) -> Delivered:
@@ -231,8 +231,10 @@ def _drawn(wanted: Recipe, paths: Mapping[str, Path], names: Sequence[str], toke
     return Delivered(made.files, {**made.report, "seconds": seconds})
 
 
-def _carried(wanted: Recipe, held: Mapping[str, tuple[Path, bytes]], names: Sequence[str], token: str) -> Delivered:
+def _carried(wanted: Recipe, held: Mapping[str, tuple[Path, bytes]], names: Sequence[str], token: str, ours: str) -> Delivered:
     """The task of a worker elsewhere, which puts what the sources hold into a folder of its own while it draws."""
+    if (own := version("crowquill")) != ours:  # it has joined since all were asked
+        raise UnfitError(at(), f"has crowquill {own}, and {ours} is wanted; install the same there")
     with contextlib.ExitStack() as stack:
         try:
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="crowquill-")))
@@ -241,7 +243,7 @@ def _carried(wanted: Recipe, held: Mapping[str, tuple[Path, bytes]], names: Sequ
                 paths[key].parent.mkdir()
                 paths[key].write_bytes(data)
         except OSError as error:
-            raise FullError(at(), (error.strerror or "cannot be written to").lower()) from None
+            raise UnfitError(at(), f"{(error.strerror or 'no folder can be written to').lower()}; free some space there") from None
         try:
             return _drawn(wanted, paths, names, token)
         except ValueError as error:  # it speaks of files by where they are here
