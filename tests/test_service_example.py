@@ -168,9 +168,8 @@ def test_twenty_clients_for_a_minute_see_no_error_and_memory_stays_flat(tmp_path
         path = tmp_path / f"{k}.png"
         Image.fromarray((255 * (0.6 + 0.35 * np.sin(columns / (20 + k)) * np.cos(rows / 30))).astype(np.uint8)).save(path)
         pictures.append(path.read_bytes())
-    paths = [f"/stipple.{kind}dots={dots}&paper=a5" for kind in ("pdf?", "svg?", "png?dpi=100&") for dots in (300, 1500)] + [
-        "/screen.pdf?paper=a5"
-    ]
+    kinds = ("pdf?", "svg?", "png?dpi=100&")
+    paths = [*(f"/stipple.{kind}dots={dots}&paper=a5" for kind in kinds for dots in (300, 1500)), "/screen.pdf?paper=a5"]
     wanted = {(path, k): drawing(data, *split(path)) for path in paths for k, data in enumerate(pictures)}
     with contextlib.closing(socket.create_server(("127.0.0.1", 0))) as found:
         port = found.getsockname()[1]
