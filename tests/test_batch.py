@@ -164,6 +164,20 @@ def test_what_is_made_is_kept_and_what_has_changed_is_made_again(inline, capfd):
     assert inline.done == 13
 
 
+@pytest.mark.usefixtures("inline")
+def test_settings_of_a_recipe_are_those_of_all_and_what_is_typed_goes_before(capfd):
+    Path("sub").mkdir()
+    Image.fromarray(np.pad(np.full((20, 30), 255, np.uint8), 5)).save("sub/mask.png")
+    Path("sub/settings.toml").write_text('style = "stipple"\nseed = 5\n[tone]\ncanvas = "mask.png"\n[knobs]\ndots = 40\n')
+    assert batch(*PICTURES[:2], *SETTINGS, "--recipe", "sub/settings.toml", "--report", "-") == 0
+    told = json.loads(capfd.readouterr().out)
+    assert [row["marks"] for row in told["drawings"]] == [60, 60]
+    assert main(["stipple", "p1.png", "one.svg", *ALONE, "--recipe", "sub/settings.toml", "--quiet"]) == 0
+    assert Path("one.svg").read_bytes() == Path("out/p1.svg").read_bytes()
+    assert batch("p0.png", "--style", "cells", "--recipe", "sub/settings.toml") == 2
+    assert "is a recipe for the style stipple; say crowquill stipple" in capfd.readouterr().err
+
+
 def test_another_format_is_made_beside_those_that_are_there(inline):
     assert batch("p0.png", *SETTINGS) == 0
     assert batch("p0.png", *SETTINGS, "--format", "pdf") == 0
