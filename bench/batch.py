@@ -19,7 +19,7 @@ from crowquill import kernel
 from crowquill.__main__ import main
 
 DRAWINGS = 16
-DOTS = 4000
+DOTS = 8000
 
 
 def pictures(folder: Path) -> list[str]:

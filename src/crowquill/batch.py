@@ -29,7 +29,7 @@ from crowquill.recipe import Recipe
 from crowquill.sheet import Step
 
 JOURNAL = "batch.jsonl"
-OFTEN = 0.1  # s between two messages of a drawing under way
+OFTEN = 0.25  # s between two messages of a drawing under way
 Found = tuple[Recipe, Mapping[str, Path]]
 
 
