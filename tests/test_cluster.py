@@ -198,3 +198,13 @@ def test_without_dask_the_remedy_is_said(monkeypatch):
 def test_less_than_one_worker_is_refused():
     with pytest.raises(ValueError, match="workers is 0; it takes 1 or more"), workers(None, 0):
         pass
+
+
+@pytest.mark.parametrize(("text", "threads"), [("1", 1), ("7", 7), ("", None), ("0", 0), ("-1", 0), ("many", 0), ("5000", 0)])
+def test_the_environment_says_how_many_threads_loops_take(monkeypatch, text, threads):
+    monkeypatch.setenv(kernel.THREADS, text)
+    if threads == 0:
+        with pytest.raises(ValueError, match="^CROWQUILL_THREADS is .*; it takes a whole number, 1 to 4096$"):
+            kernel._cores()
+    else:
+        assert kernel._cores() == (threads or len(os.sched_getaffinity(0)))
