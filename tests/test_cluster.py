@@ -204,7 +204,7 @@ def test_less_than_one_worker_is_refused():
 def test_the_environment_says_how_many_threads_loops_take(monkeypatch, text, threads):
     monkeypatch.setenv(kernel.THREADS, text)
     if threads == 0:
-        with pytest.raises(ValueError, match="^CROWQUILL_THREADS is .*; it takes a whole number, 1 to 4096$"):
+        with pytest.raises(ValueError, match=r"^CROWQUILL_THREADS is .*; it takes a whole number, 1 to 4096$"):
             kernel._cores()
     else:
         assert kernel._cores() == (threads or len(os.sched_getaffinity(0)))
