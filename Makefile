@@ -18,6 +18,7 @@ soak: .venv/tested tools-for-tests
 
 bench: .venv/tested
 	$(BIN)/python bench/bench.py
+	$(BIN)/python bench/batch.py
 	$(BIN)/python bench/editor.py
 	$(BIN)/python bench/editor_page.py
 

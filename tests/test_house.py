@@ -18,8 +18,8 @@ SOURCE = ROOT / "src" / "crowquill"
 # Who may import whom: a module imports from lines above its own, and from no other module of its line.
 LAYERS = """
 units kernel
-knobs
-paths
+knobs processes
+paths cluster
 heap
 levels
 expense greys hilbert
@@ -43,8 +43,8 @@ styles formats
 inking
 recipe seen calibration
 making
-judge plate
-preflight
+judge plate delivery
+preflight batch service
 figure editor
 __init__
 options

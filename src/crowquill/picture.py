@@ -87,6 +87,17 @@ def shape(source: File, max_pixels: int = MAX_PIXELS) -> tuple[int, int]:
         return image.height, image.width
 
 
+def pixels(source: File) -> int:
+    """How many pixels a picture says that it has, before one is decoded; 0 where it cannot be read."""
+    from PIL import Image
+
+    try:
+        with _LOCK, _begun(Image, source) as image:
+            return int(image.width * image.height)
+    except (SyntaxError, EOFError, OSError, MemoryError, TypeError, ArithmeticError, LookupError, struct.error, ValueError):
+        return 0
+
+
 def window(shape: tuple[int, ...], crop: tuple[float, float, float, float] | None) -> tuple[slice, slice]:
     """Rows and columns of a picture of this shape that a crop leaves: left, top, width, height as shares; at least one of each."""
     h, w = shape[:2]
@@ -133,11 +144,7 @@ def _loaded(source: File, name: str, max_pixels: int) -> tuple[Any, Notes]:
 
     with _LOCK, warnings.catch_warnings(record=True) as said:  # Pillow's limit and the warnings are one for all of a program
         warnings.simplefilter("always")
-        limit, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None  # below ours
-        try:
-            image = Image.open(source, formats=FORMATS)
-        finally:
-            Image.MAX_IMAGE_PIXELS = limit
+        image = _begun(Image, source)
         try:
             w, h = image.size
             if w * h == 0:
@@ -160,6 +167,15 @@ def _loaded(source: File, name: str, max_pixels: int) -> tuple[Any, Notes]:
             raise
     damaged = damaged or any("corrupt" in str(w.message).lower() or "truncated" in str(w.message).lower() for w in said)
     return image, (TAGS,) if damaged else ()
+
+
+def _begun(pillow: Any, source: File) -> Any:
+    """The image of which only the header is read; Pillow's own limit is below ours, and set aside."""
+    limit, pillow.MAX_IMAGE_PIXELS = pillow.MAX_IMAGE_PIXELS, None
+    try:
+        return pillow.open(source, formats=FORMATS)
+    finally:
+        pillow.MAX_IMAGE_PIXELS = limit
 
 
 def _told(pixels: int) -> str:
