@@ -11,6 +11,7 @@ import argparse
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from functools import partial
@@ -49,12 +50,13 @@ def grown(report: Report, most: int) -> None:
 def edited(report: Report) -> None:
     """The editor's own programs, whose lines are kept as they come."""
     for name in ("editor.py", "editor_page.py"):
-        with subprocess.Popen([sys.executable, str(HERE / name)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
-            for line in run.stdout or []:
-                report.line(line.rstrip())
-            wrong = run.stderr.read() if run.stderr else ""
-        if run.returncode:
-            report.missing(name, (wrong.strip().splitlines() or ["failed"])[-1])
+        with tempfile.TemporaryFile("w+") as wrong:
+            with subprocess.Popen([sys.executable, "-u", str(HERE / name)], stdout=subprocess.PIPE, stderr=wrong, text=True) as run:
+                for line in run.stdout or []:
+                    report.line(line.rstrip())
+            wrong.seek(0)
+            if run.returncode:
+                report.missing(name, (wrong.read().strip().splitlines() or ["failed"])[-1])
 
 
 def parts(quick: bool, most: int) -> dict[str, list[Callable[[Report], None]]]:

@@ -39,15 +39,20 @@ class Taken(NamedTuple):
         return cls(min(walls), float(np.mean(walls)), float(np.std(walls)), cpus[int(np.argmin(walls))])
 
 
+def spent() -> float:
+    """The processors' seconds of this process and of those it waited for."""
+    return time.process_time() + sum(os.times()[2:4])
+
+
 def seconds(work: Callable[[], Any], times: int = 5, warm: Callable[[], Any] | None = None) -> Taken:
     """What a call takes, warmed by one, or by another that compiles the same."""
     (warm or work)()
     walls, cpus = [], []
     for _ in range(times):
-        began, spent = time.perf_counter(), time.process_time()
+        began, used = time.perf_counter(), spent()
         work()
         walls.append(time.perf_counter() - began)
-        cpus.append(time.process_time() - spent)
+        cpus.append(spent() - used)
     return Taken.of(walls, cpus)
 
 
@@ -179,7 +184,7 @@ class Report:
     def save(self) -> None:
         """Keeps all there is so far."""
         if self.file:
-            self.file.parent.mkdir(exist_ok=True)
+            self.file.parent.mkdir(parents=True, exist_ok=True)
             self.file.write_text(json.dumps(self.data, indent=1), encoding="utf-8")
 
 

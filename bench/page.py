@@ -79,12 +79,17 @@ def against(data: dict[str, Any]) -> str:
     found: list[Row] = data["figures"].get("peers", [])
     if not found:
         return "<h2>Against other programs</h2><p>not run</p>"
-    plots = []
+    head = ("peer", "dots", "tone error", "rho", "seconds", "CPU s", "to equal tone", "to that and evenness", "command line", "how")
+    return f"{PEERS}<div class=plots>{versus(data)}</div>{table(head, [peer_row(line) for line in found])}{PEERS_READ}"
+
+
+def versus(data: dict[str, Any]) -> str:
+    """The ratios as plots, at equal tone and at equal evenness too."""
+    plots, found = [], data["figures"].get("peers", [])
     for goal, words in (("near", "equal tone error"), ("even", "equal tone error and equal evenness")):
         rows = [(f"{line['peer']}, {line['dots']}", line[goal]["ratio"]) for line in found if goal in line]
         plots.append(ratios(f"Seconds to {words}: theirs over ours", "times as fast; loops alone, in a warm process", rows))
-    head = ("peer", "dots", "tone error", "rho", "seconds", "CPU s", "to equal tone", "to that and evenness", "command line", "how")
-    return f"{PEERS}<div class=plots>{''.join(plots)}</div>{table(head, [peer_row(line) for line in found])}{PEERS_READ}"
+    return "".join(plots)
 
 
 def peer_row(line: Row) -> list[str]:
