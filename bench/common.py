@@ -60,7 +60,10 @@ def seconds(work: Callable[[], Any], times: int = 5, warm: Callable[[], Any] | N
 CHILD = """
 import resource, subprocess, sys, time
 began = time.perf_counter()
-done = subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL)
+try:
+    done = subprocess.run(sys.argv[2:], stdout=subprocess.DEVNULL, timeout=float(sys.argv[1]))
+except subprocess.TimeoutExpired:
+    sys.exit(f"ended after {sys.argv[1]} s")
 took, used = time.perf_counter() - began, resource.getrusage(resource.RUSAGE_CHILDREN)
 print(took, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024)
 sys.exit(done.returncode)
@@ -80,14 +83,14 @@ class Run(NamedTuple):
         return Taken(self.seconds, self.seconds, 0.0, self.cpu)
 
 
-def process(*command: str, cache: str | None = None, cores: int | None = None) -> Run:
-    """Runs a command; cache: a folder, empty at first, for compiled code; cores: on so many processors only.
+def process(*command: str, cache: str | None = None, limit: float = 3600.0) -> Run:
+    """Runs a command; cache: a folder, empty at first, for compiled code; limit: seconds after which it is ended.
 
     Raises ChildProcessError with the last line it said where it fails.
     """
     env = {**os.environ, **({"NUMBA_CACHE_DIR": cache} if cache else {})}
-    narrow = f"import os; os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:{cores}])\n" if cores else ""
-    done = subprocess.run([sys.executable, "-c", narrow + CHILD, *command], capture_output=True, text=True, env=env, check=False)
+    child = [sys.executable, "-c", CHILD, str(limit), *command]
+    done = subprocess.run(child, capture_output=True, text=True, env=env, check=False)
     if done.returncode:
         raise ChildProcessError(f"{Path(command[0]).name}: {(done.stderr.strip().splitlines() or ['failed'])[-1]}")
     return Run(*map(float, done.stdout.split()))

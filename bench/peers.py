@@ -21,13 +21,14 @@ import numpy as np
 from common import HERE, Report, Run, Taken, process
 from PIL import Image
 from scoring import Score, camera, darkness, scored
-from solvers import DEFAULT, LOOKED_AT, Point, steps_of, taken
+from solvers import DEFAULT, HALFTONE, LOOKED_AT, Point, steps_of, taken
 
 import crowquill
 from crowquill import judge, seen
 
 HOME, SCRIPTS = HERE / ".peers", HERE / "others"
 PROGRAM = str(Path(sys.executable).parent / "crowquill")
+LIMIT = 900.0  # seconds, after which a peer is ended
 ENOUGH = 20.0  # seconds: what takes longer is run once, else three times
 MOST_STEPS = 200  # of ours
 PAGE = ("--tone", "grey", "--paper", "210x210mm", "--margin", "5mm", "--quiet")
@@ -74,7 +75,7 @@ class Peer:
             "npm": [["npm", "install", "--silent", "--no-fund", "--no-audit", "--prefix", str(place), what]],
         }
         for step in steps[kind]:
-            done = subprocess.run(step, capture_output=True, text=True, check=False)
+            done = subprocess.run(step, capture_output=True, text=True, check=False, timeout=LIMIT)
             if done.returncode:
                 raise ChildProcessError(f"{what} could not be installed: {(done.stderr.strip().splitlines() or ['no reason given'])[-1]}")
         (place / "made").touch()
@@ -155,7 +156,7 @@ def measured(peer: Peer, folder: Path, dots: int, dark: np.ndarray) -> Result:
     place = peer.environment() if peer.needs else HOME
     command, walls, cpus, runs = peer.command(place, folder, dots), [], [], []
     while len(runs) < 3 and sum(run.seconds for run in runs) < ENOUGH:
-        runs.append(process(*command))
+        runs.append(process(*command, limit=LIMIT))
         figures = json.loads((folder / "figures.json").read_text())
         walls.append(figures["seconds"])
         cpus.append(figures["cpu"])
@@ -232,13 +233,19 @@ def one(report: Report, peer: Peer, dots: int, ways: Ways, ours: CommandLine, ta
         return
     try:
         theirs = measured(peer, ours.folder, dots, ours.dark)
-    except (ChildProcessError, OSError, ValueError) as error:
+    except (OSError, ValueError, subprocess.SubprocessError) as error:
         report.missing(f"{peer.name}, {dots} dots", str(error))
         return
     said = f"{peer.passes}: tone error {theirs.score.tone:.4f}, rho {theirs.score.rho:.3f}, {theirs.run.memory:.0f} MB"
     report.row(f"{peer.name}, {theirs.dots} dots", theirs.loop, said)
     line = {"peer": peer.name, "dots": dots, "passes": peer.passes, **theirs.score._asdict(),
             "loop": theirs.loop._asdict(), "run": theirs.run._asdict()}  # fmt: skip
+    if not peer.relaxes:
+        own = ways[dots][HALFTONE][0]
+        said = f"tone error {own['tone']:.4f}, rho {own['rho']:.3f}"
+        report.row(
+            f"  crowquill's own halftone, {dots} dots", taken(own), f"{said}; {theirs.loop.least / own['seconds']:.2f} times as fast"
+        )
     for goal, even in (("near", False), ("even", True)):
         won = reached(ways[dots], theirs.score, even=even, first=1 if peer.relaxes else 0)
         asked = f"{'as near in tone as' if goal == 'near' else 'as near and as even as'} {peer.name}, {dots} dots"

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import charts
+import common
 import drawing
 import numpy as np
 import page
@@ -212,3 +213,12 @@ def test_an_unknown_part_is_refused_in_a_line():
     assert done.returncode == 2
     assert "no part nothing" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_a_command_is_measured_and_ended_at_its_limit():
+    run = common.process(sys.executable, "-c", "data = bytearray(80_000_000); data[::4096] = b'1' * len(data[::4096])")
+    assert 80 < run.memory < 200
+    with pytest.raises(ChildProcessError, match=r"ended after 0\.2 s"):
+        common.process(sys.executable, "-c", "import time; time.sleep(60)", limit=0.2)
+    with pytest.raises(ChildProcessError, match="no such thing"):
+        common.process(sys.executable, "-c", "raise SystemExit('no such thing')")
