@@ -21,7 +21,10 @@ FEW = 10_000  # dots, from which on a dot is to cost about the same
 
 
 def drawn(folder: Path, side: int, dots: int, **more: Any) -> dict[str, Any]:
-    """What drawing.py finds of one drawing of a shaded picture, to a compact PDF. Raises ChildProcessError where it fails."""
+    """What drawing.py finds of one drawing of a shaded picture, to a compact PDF, or of what is asked else.
+
+    Raises ChildProcessError where it fails.
+    """
     picture = folder / f"{side}.png"
     if not picture.exists():
         Image.fromarray((255 * (1 - shaded(side))).astype(np.uint8)).save(picture)
@@ -48,7 +51,9 @@ def growth(report: Report, most: int = 64) -> None:
                 where = f"{n} dots, {side * side / 1e6:g} Mpx"
                 said = f"{point['iterations']} iterations, {1e6 * point['seconds'] / n:.0f} us a dot, {point['memory']:.0f} MB"
                 report.row(f"whole drawing, {where}", once(point["seconds"], point["cpu"]), said)
-                report.row(f"one iteration, {where}", once(point["iteration"], point["iteration_cpu"]))
+                report.row(
+                    f"one iteration, {where}", once(point["iteration"], point["iteration_cpu"]), f"{point['iteration_memory']:.0f} MB"
+                )
             report.figure(axis, points)
             for missing in points[0]["missing"]:
                 report.missing(f"the stage of {missing}", "there is no function of that name any more; its time is in another stage")
@@ -76,7 +81,7 @@ def threads(report: Report) -> None:
     n = MIDDLE if report.quick else MANY
     with tempfile.TemporaryDirectory() as name:
         try:
-            taken = {k: drawn(Path(name), 1000, n, processors=k, iterations=0, repeats=3) for k in (1, 2)}
+            taken = {k: drawn(Path(name), 1000, n, processors=k, out=None, repeats=3) for k in (1, 2)}
         except ChildProcessError as error:
             report.missing("one thread against two", str(error))
             return

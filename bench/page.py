@@ -37,6 +37,7 @@ does not see; it counts as equal from .005 below on. To equal tone: seconds of o
 sites, and how many times as long the peer's loop takes, by the clock and in CPU seconds. Command line: all of <code>crowquill
 stipple</code>, from picture file to SVG, at equal tone, against all of the peer's process; inksep's and plotline's write an SVG too,
 the others no drawing. A halftone is one pass and leaves its dots on a grid, uneven; there ours is no sooner, only more even.</small></p>"""
+MEMORY = {"whole drawing": "memory", "iterations alone": "iteration_memory"}
 Row = dict[str, Any]
 
 
@@ -135,9 +136,9 @@ def growth(data: dict[str, Any]) -> str:
         whole = Series(f"whole drawing, {points[-1]['iterations']} iterations", x, [point["seconds"] for point in points])
         one = Series("one iteration", x, [point["iteration"] for point in points])
         cpu = Series("whole drawing, CPU seconds", x, [point["cpu"] for point in points])
-        memory = Series("whole drawing", x, [point["memory"] for point in points])
+        memory = [Series(name, x, [point[of] for point in points]) for name, of in MEMORY.items()]
         out += f"<div class=plots>{lines(f'Time over {axis}', across, 'seconds', [whole, cpu, one])}"
-        out += lines(f"Memory over {axis}", across, "MB at most (VmHWM)", [memory])
+        out += lines(f"Memory over {axis}", across, "MB at most (VmHWM)", memory)
         if key == "dots":
             many = [point for point in points if point["dots"] >= 1e4]
             parts = [(f"{point['dots']}", {k: 1e6 * v / point["dots"] for k, v in point["stages"].items()}) for point in many]
