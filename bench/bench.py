@@ -88,6 +88,7 @@ def main() -> None:
     if unknown := [name for name in chosen if name not in every]:
         asked.error(f"no part {', '.join(unknown)}; there are {', '.join(every)}")
     report = Report(given.out / "rows.json", quick=bool(given.quick))
+    report.begun()
     began = time.perf_counter()
     for name in chosen:
         report.part(name)

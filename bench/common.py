@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import platform
+import shutil
 import subprocess
 import sys
 import time
@@ -116,12 +117,14 @@ def machine() -> dict[str, Any]:
     names = [line.split(":")[1].strip() for line in info.read_text().splitlines() if "model name" in line] if info.exists() else []
     gigabytes = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    node = shutil.which("node") and subprocess.run(["node", "--version"], capture_output=True, text=True, check=False).stdout.strip()
+    versions = {**{name: release(name) for name in LIBRARIES}, "Node": node}
     return {
         "processor": names[0] if names else platform.processor() or platform.machine(),
         "cores": cores,
         "memory_gb": round(gigabytes, 1),
         "system": f"{platform.system()} {platform.release()}, Python {platform.python_version()}",
-        "versions": {name: found for name in LIBRARIES if (found := release(name))},
+        "versions": {name: found for name, found in versions.items() if found},
         "when": datetime.now(UTC).isoformat(timespec="seconds"),
     }
 
@@ -133,6 +136,12 @@ class Report:
     file: Path | None
     quick: bool = False
     data: dict[str, Any] = field(default_factory=lambda: {"machine": machine(), **{key: [] for key in LISTS}, "figures": {}})
+
+    def begun(self) -> None:
+        """Says on what machine and with which versions it runs."""
+        here = self.data["machine"]
+        print(f"{here['processor']}, {here['cores']} processors, {here['memory_gb']} GB; {here['system']}; {here['when']}")
+        print(", ".join(f"{name} {number}" for name, number in here["versions"].items()), flush=True)
 
     @property
     def d(self) -> float:

@@ -21,7 +21,7 @@ import numpy as np
 from common import HERE, Report, Run, Taken, process
 from PIL import Image
 from scoring import Score, camera, darkness, scored
-from solvers import DEFAULT, HALFTONE, LOOKED_AT, Point, steps_of, taken
+from solvers import DEFAULT, HALFTONE, LOOKED_AT, SOLVERS, Point, steps_of, taken, until
 
 import crowquill
 from crowquill import judge, seen
@@ -131,9 +131,9 @@ def points(folder: Path) -> tuple[np.ndarray, np.ndarray | None]:
 PEERS = (
     Peer("inksep 1.0.0", "pip inksep==1.0.0", inksep, circles, "100 generations, its default", whole=True, slow=True),
     Peer("plotline 0.2.0", "pip plotline==0.2.0", plotline, points, "30 iterations, its default", most=50_000, whole=True),
-    Peer("d3-delaunay find, plain", "npm d3-delaunay@6.0.4", d3(50, 1.0, 0), lambda f: (np.fromfile(f / "out.f64").reshape(-1, 2), None),
+    Peer("d3-delaunay 6.0.4, plain", "npm d3-delaunay@6.0.4", d3(50, 1.0, 0), lambda f: (np.fromfile(f / "out.f64").reshape(-1, 2), None),
          "50 passes"),
-    Peer("d3-delaunay find, step 1.8 and jitter", "npm d3-delaunay@6.0.4", d3(80, 1.8, 10),
+    Peer("d3-delaunay 6.0.4, step 1.8, jitter", "npm d3-delaunay@6.0.4", d3(80, 1.8, 10),
          lambda f: (np.fromfile(f / "out.f64").reshape(-1, 2), None), "80 passes"),
     Peer("Secord by NumPy and SciPy", "", published("secord", 50), lambda f: (np.load(f / "out.npy"), None), "50 passes, as Rougier's",
          slow=True),
@@ -223,7 +223,6 @@ def compared(report: Report, ways: Ways) -> None:
             for peer in PEERS:
                 if dots in COMPARED or dots == peer.most:
                     one(report, peer, dots, ways, ours, table)
-        report.figure("peers", table)
 
 
 def one(report: Report, peer: Peer, dots: int, ways: Ways, ours: CommandLine, table: list[dict[str, Any]]) -> None:
@@ -253,15 +252,18 @@ def one(report: Report, peer: Peer, dots: int, ways: Ways, ours: CommandLine, ta
             report.missing(f"crowquill {asked}", f"not reached in {LOOKED_AT[-1]} steps")
             continue
         solver, point = won
-        ratio = theirs.loop.least / point["seconds"]
+        spent = until(SOLVERS[solver], ours.dark, dots, point["step"])  # anew, beside theirs: hours differ
+        ratio = theirs.loop.least / spent.least
         how = f"{solver}, {steps_of(point['step'])}"
-        report.row(f"  crowquill {asked}", taken(point), how, bar=1, got=ratio, unit="times as fast", least=True)
-        line[goal] = {"solver": solver, **point, "ratio": ratio, "cpu_ratio": theirs.loop.cpu / point["cpu"]}
+        report.row(f"  crowquill {asked}", spent, how, bar=1, got=ratio, unit="times as fast", least=True)
+        line[goal] = {"solver": solver, **point, "seconds": spent.least, "cpu": spent.cpu, "ratio": ratio}
+        line[goal]["cpu_ratio"] = theirs.loop.cpu / spent.cpu
     first = next((point["step"] for point in ways[dots][DEFAULT] if score(point).reaches(theirs.score, even=False)), 1)
-    if command := ours.reaching(dots, theirs.score, int(first)):
+    if command := ours.reaching(dots, theirs.score, max(1, int(first))):
         run, steps = command
         ratio = theirs.run.seconds / run.seconds
         what = f"  crowquill stipple --iterations {steps}, as near as {peer.name}, {dots} dots"
         report.row(what, run.taken, f"picture to SVG; {ratio:.2f} times as fast as {'its command' if peer.whole else 'all of its process'}")
         line["command"] = {"steps": steps, **run._asdict(), "ratio": ratio, "cpu_ratio": theirs.run.cpu / run.cpu}
     table.append(line)
+    report.figure("peers", table)

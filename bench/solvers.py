@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -69,6 +70,18 @@ def timed(solver: Solver, coverage: Array, n: int, look: Callable[[Array, Tone],
 def energy(sites: Array, tone: Tone) -> float:
     """Of any solver's sites the same: the integral of coverage squared times squared distance to the site."""
     return relax.measured(sites, tone, tone.mapped(lambda coverage: coverage**2)).energy
+
+
+def until(solver: Solver, coverage: Array, n: int, step: float, times: int = 3) -> Taken:
+    """Seconds from the picture's array to the sites of a step."""
+    walls, cpus = [], []
+    for _ in range(times):
+        began, spent = time.perf_counter(), time.process_time()
+        tone = Tone(coverage, (coverage.shape[1], coverage.shape[0]))
+        next(islice(solver(tone, n, np.random.default_rng(0)), int(step), None))
+        walls.append(time.perf_counter() - began)
+        cpus.append(time.process_time() - spent)
+    return Taken.of(walls, cpus)
 
 
 def traces(report: Report, dots: tuple[int, ...]) -> dict[int, dict[str, list[Point]]]:

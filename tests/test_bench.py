@@ -223,3 +223,20 @@ def test_a_command_is_measured_and_ended_at_its_limit():
         common.process(sys.executable, "-c", "import time; time.sleep(60)", limit=0.2)
     with pytest.raises(ChildProcessError, match="no such thing"):
         common.process(sys.executable, "-c", "raise SystemExit('no such thing')")
+
+
+def test_a_peer_is_put_beside_the_solver_that_is_as_good_soonest(tmp_path):
+    made, table = report(), []
+    np.save(tmp_path / "out.npy", RANDOM)
+    (tmp_path / "figures.json").write_text('{"seconds": 5.0, "cpu": 4.0}')
+    peer = peers.Peer(
+        "a poor one", "", lambda *_: [sys.executable, "-c", ""], lambda folder: (np.load(folder / "out.npy"), None), "one pass"
+    )
+    ways = {800: {solvers.DEFAULT: [{"step": k, "seconds": 9.0, "cpu": 9.0, "tone": 0.2 - 0.05 * k, "rho": 0.7} for k in range(4)]}}
+    ours = peers.CommandLine(tmp_path, DARK, 1)
+    ours.known[800, 1] = common.Run(2.0, 2.0, 100.0), scoring.Score(0.1, 0.8)
+    peers.one(made, peer, 800, ways, ours, table)
+    assert table[0]["near"]["step"] == 1
+    assert table[0]["near"]["ratio"] == pytest.approx(5 / table[0]["near"]["seconds"])
+    assert table[0]["command"]["steps"] == 1
+    assert "a poor one" in page.html(made.data)
