@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from PIL import Image
 from scipy.spatial import Delaunay
 
 HERE = Path(__file__).resolve().parent
@@ -99,8 +100,19 @@ def process(*command: str, cache: str | None = None, limit: float = 3600.0) -> R
 
 def shaded(side: int) -> np.ndarray:
     """A picture of side x side pixels with every tone from .05 to .75 and no two rows alike."""
-    y, x = np.mgrid[0:side, 0:side] / side
+    return rows(side, 0, side)
+
+
+def rows(side: int, first: int, last: int) -> np.ndarray:
+    """Some rows of that picture."""
+    y, x = np.arange(first, last)[:, None] / side, np.arange(side)[None, :] / side
     return 0.4 + 0.35 * np.sin(9 * x + 4 * y * y) * np.cos(7 * y)
+
+
+def painted(side: int, file: Path) -> None:
+    """Writes that picture as code values, a band at a time: a large one as numbers would take gigabytes."""
+    bands = [np.uint8(255 * (1 - rows(side, first, min(first + 256, side)))) for first in range(0, side, 256)]
+    Image.fromarray(np.concatenate(bands)).save(file, compress_level=1)
 
 
 def release(name: str) -> str:

@@ -28,6 +28,7 @@ STAGES = (
     ("cells", "_clipped", "clipping"),
     ("moments", "of_tone", "moments"),
 )
+LIGHT = {"tone": "grey", "width": 180.0, "max_pixels": 1 << 40}
 ORDER = ("read", "start", "triangulation", "clipping", "moments", "placing", "writing", "other")
 
 
@@ -81,7 +82,7 @@ def iterated(wanted: dict[str, Any]) -> dict[str, float]:
     from crowquill import relax
     from crowquill.tone import Tone
 
-    tone = Tone.load(wanted["picture"], tone="grey", width=180)
+    tone = Tone.load(wanted["picture"], **LIGHT)
     states, laps = relax.lloyd(relax.scatter(tone, wanted["dots"], np.random.default_rng(0)), tone), []
     next(states)
     for _ in range(wanted["repeats"]):
@@ -102,7 +103,7 @@ def drawn(wanted: dict[str, Any]) -> dict[str, Any]:
     steps = {} if wanted.get("iterations") is None else {"iterations": wanted["iterations"]}
     compact = {"compact": True} if wanted["out"].endswith(".pdf") else {}
     began, spent = time.perf_counter(), time.process_time()
-    tone = watch.timed(Tone.load, "read")(wanted["picture"], tone="grey", width=180)
+    tone = watch.timed(Tone.load, "read")(wanted["picture"], **LIGHT)
     sheet = crowquill.draw("stipple", tone, dots=wanted["dots"], **steps)
     watch.timed(crowquill.save, "writing")(sheet, wanted["out"], **compact)
     seconds, cpu = time.perf_counter() - began, time.process_time() - spent

@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from common import HERE, Report, Taken, process, shaded
-from PIL import Image
+from common import HERE, Report, Taken, painted, process
 
 PROGRAM = str(Path(sys.executable).parent / "crowquill")
 DOTS = (1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000)  # on 1 Mpx
@@ -27,7 +26,7 @@ def drawn(folder: Path, side: int, dots: int, **more: Any) -> dict[str, Any]:
     """
     picture = folder / f"{side}.png"
     if not picture.exists():
-        Image.fromarray((255 * (1 - shaded(side))).astype(np.uint8)).save(picture)
+        painted(side, picture)
     wanted = {"picture": str(picture), "out": str(folder / "out.pdf"), "dots": dots, **more}
     done = subprocess.run([sys.executable, str(HERE / "drawing.py"), json.dumps(wanted)], capture_output=True, text=True, check=False)
     if done.returncode:
@@ -98,7 +97,7 @@ def million(report: Report) -> None:
     n, side = (100_000, 2000) if report.quick else (MANY, 4000)
     with tempfile.TemporaryDirectory() as name:
         picture, out = Path(name, "shaded.png"), Path(name, "out.pdf")
-        Image.fromarray((255 * (1 - shaded(side))).astype(np.uint8)).save(picture)
+        painted(side, picture)
         run = process(PROGRAM, "stipple", str(picture), str(out), "--compact", "--dots", str(n), "--tone", "grey", "--quiet")
         size = out.stat().st_size
     what = f"{n} dots on {side * side / 1e6:g} Mpx, picture to compact PDF"

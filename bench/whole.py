@@ -10,8 +10,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from common import HERE, Report, process, seconds, shaded
-from PIL import Image
+from common import HERE, Report, painted, process, seconds, shaded
 
 import crowquill
 from crowquill import exemplar, field
@@ -72,7 +71,7 @@ def plates(report: Report) -> None:
     """Two whole drawings from picture to PDF and SVG: a warm one of 300 000 dots, and the first ever on a machine."""
     with tempfile.TemporaryDirectory() as folder:
         picture, out = f"{folder}/shaded.png", [f"{folder}/plate.pdf", f"{folder}/plate.svg"]
-        Image.fromarray((255 * (1 - shaded(1600))).astype(np.uint8)).save(picture)
+        painted(1600, Path(picture))
         a4 = ("--fit", "stretch", "--margin", "10mm", "--tone", "grey", "--quiet", "--report", f"{folder}/report.json")
         run = process(PROGRAM, "stipple", picture, *out, *a4)
         marks = int(Path(f"{folder}/report.json").read_text().split('"marks": ')[1].split(",")[0])
