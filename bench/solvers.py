@@ -20,11 +20,13 @@ from crowquill.tone import Tone
 
 Solver = Callable[[Tone, int, np.random.Generator], Iterator[relax.State]]
 HALFTONE = "Floyd-Steinberg start, step 1.8"
-DEFAULT = "default: even start, step 1.8"
+DEFAULT = "default: start by levels, step 1.8"
+EVEN = "even start, step 1.8"
 PLAIN = "plain Lloyd: random start, step 1"
 SOLVERS: dict[str, Solver] = {
     PLAIN: lambda tone, n, rng: relax.lloyd(relax.scatter(tone, n, rng, "random"), tone, step=1.0),
-    DEFAULT: lambda tone, n, rng: relax.lloyd(relax.scatter(tone, n, rng), tone),
+    EVEN: lambda tone, n, rng: relax.lloyd(relax.scatter(tone, n, rng), tone),
+    DEFAULT: lambda tone, n, rng: relax.lloyd(relax.scatter(tone, n, rng, "levels"), tone),
     HALFTONE: lambda tone, n, rng: relax.lloyd(relax.scatter(tone, n, rng, "floyd-steinberg"), tone),
 }
 LOOKED_AT = (0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 50)  # states that are measured, off the clock

@@ -75,7 +75,7 @@ def plates(report: Report) -> None:
         a4 = ("--fit", "stretch", "--margin", "10mm", "--tone", "grey", "--quiet", "--report", f"{folder}/report.json")
         run = process(PROGRAM, "stipple", picture, *out, *a4)
         marks = int(Path(f"{folder}/report.json").read_text().split('"marks": ')[1].split(",")[0])
-        report.row(f"A4 plate, 0.3 mm pen, {marks} dots, 30 iterations, PDF and SVG, warm", run.taken, bar=60)
+        report.row(f"A4 plate, 0.3 mm pen, {marks} dots, PDF and SVG, warm", run.taken, bar=60)
         report.row("the same plate's memory", run.taken, bar=1500, got=run.memory, unit="MB")
         written(report, f"{folder}/plate.svg", folder)
         run = process(PROGRAM, "stipple", str(HERE.parent / "gallery" / "specimen.png"), *out, "--quiet", cache=f"{folder}/cache")

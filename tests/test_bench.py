@@ -240,3 +240,13 @@ def test_a_peer_is_put_beside_the_solver_that_is_as_good_soonest(tmp_path):
     assert table[0]["near"]["ratio"] == pytest.approx(5 / table[0]["near"]["seconds"])
     assert table[0]["command"]["steps"] == 1
     assert "a poor one" in page.html(made.data)
+
+
+def test_what_a_start_relaxes_is_the_starts(monkeypatch):
+    clock = iter([10.0, 16.0, 20.0, 21.0])
+    monkeypatch.setattr(drawing, "time", SimpleNamespace(perf_counter=lambda: next(clock)))
+    watch = drawing.Stopwatch()
+    moments = watch.timed(lambda: None, "moments")
+    watch.timed(moments, "start")()
+    moments()
+    assert watch.seconds == {"start": 6.0, "moments": 1.0}
