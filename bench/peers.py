@@ -171,11 +171,12 @@ def score(point: Point) -> Score:
     return Score(point["tone"], point["rho"])
 
 
-def reached(ways: dict[str, list[Point]], wanted: Score, *, even: bool, first: int) -> tuple[str, Point] | None:
-    """The solver that is as good soonest, and where on its way; a halftone by itself, step 0, is not relaxed."""
+def reached(ways: dict[str, list[Point]], wanted: Score, *, even: bool, relaxed: bool) -> tuple[str, Point] | None:
+    """The solver that is as good soonest, and where on its way; relaxed: a halftone by itself does not count."""
     found = []
     for name, way in ways.items():
-        there = next((p for p in way if p["step"] >= first and score(p).reaches(wanted, even=even)), None)
+        own = way[1:] if relaxed and name == HALFTONE else way
+        there = next((point for point in own if score(point).reaches(wanted, even=even)), None)
         found += [(name, there)] if there else []
     return min(found, key=lambda pair: pair[1]["seconds"], default=None)
 
@@ -246,7 +247,7 @@ def one(report: Report, peer: Peer, dots: int, ways: Ways, ours: CommandLine, ta
             f"  crowquill's own halftone, {dots} dots", taken(own), f"{said}; {theirs.loop.least / own['seconds']:.2f} times as fast"
         )
     for goal, even in (("near", False), ("even", True)):
-        won = reached(ways[dots], theirs.score, even=even, first=1 if peer.relaxes else 0)
+        won = reached(ways[dots], theirs.score, even=even, relaxed=peer.relaxes)
         asked = f"{'as near in tone as' if goal == 'near' else 'as near and as even as'} {peer.name}, {dots} dots"
         if won is None:
             report.missing(f"crowquill {asked}", f"not reached in {LOOKED_AT[-1]} steps")
@@ -259,7 +260,7 @@ def one(report: Report, peer: Peer, dots: int, ways: Ways, ours: CommandLine, ta
         line[goal] = {"solver": solver, **point, "seconds": spent.least, "cpu": spent.cpu, "ratio": ratio}
         line[goal]["cpu_ratio"] = theirs.loop.cpu / spent.cpu
     first = next((point["step"] for point in ways[dots][DEFAULT] if score(point).reaches(theirs.score, even=False)), 1)
-    if command := ours.reaching(dots, theirs.score, max(1, int(first))):
+    if command := ours.reaching(dots, theirs.score, int(first)):
         run, steps = command
         ratio = theirs.run.seconds / run.seconds
         what = f"  crowquill stipple --iterations {steps}, as near as {peer.name}, {dots} dots"

@@ -124,12 +124,16 @@ def test_every_solver_gives_as_many_dots_and_comes_nearer():
 
 def test_the_solver_that_is_as_good_soonest_is_found():
     point = {"step": 1, "seconds": 2.0, "cpu": 2.0, "tone": 0.05, "rho": 0.9}
-    ways = {"slow": [point], "quick, uneven": [{**point, "seconds": 1.0, "rho": 0.7}], "a halftone": [{**point, "step": 0, "seconds": 0.1}]}
+    ways = {
+        "slow": [point],
+        "quick, uneven": [{**point, "seconds": 1.0, "rho": 0.7}],
+        solvers.HALFTONE: [{**point, "step": 0, "seconds": 0.1}, {**point, "seconds": 3.0}],
+    }
     wanted = scoring.Score(0.06, 0.87)
-    assert peers.reached(ways, wanted, even=False, first=1)[0] == "quick, uneven"
-    assert peers.reached(ways, wanted, even=True, first=1)[0] == "slow"
-    assert peers.reached(ways, wanted, even=True, first=0)[0] == "a halftone"
-    assert peers.reached(ways, scoring.Score(0.01, 0.87), even=False, first=1) is None
+    assert peers.reached(ways, wanted, even=False, relaxed=True)[0] == "quick, uneven"
+    assert peers.reached(ways, wanted, even=True, relaxed=True)[0] == "slow"
+    assert peers.reached(ways, wanted, even=True, relaxed=False)[0] == solvers.HALFTONE
+    assert peers.reached(ways, scoring.Score(0.01, 0.87), even=False, relaxed=True) is None
 
 
 def test_a_peer_that_fails_is_said_to_be_missing(tmp_path):
