@@ -236,7 +236,7 @@ def test_a_peer_is_put_beside_the_solver_that_is_as_good_soonest(tmp_path):
     peer = peers.Peer(
         "a poor one", "", lambda *_: [sys.executable, "-c", ""], lambda folder: (np.load(folder / "out.npy"), None), "one pass"
     )
-    ways = {800: {solvers.DEFAULT: [{"step": k, "seconds": 9.0, "cpu": 9.0, "tone": 0.2 - 0.05 * k, "rho": 0.7} for k in range(4)]}}
+    ways = {800: {solvers.DEFAULT: [{"step": k, "seconds": 9.0, "cpu": 9.0, "tone": 0.4 - 0.15 * k, "rho": 0.7} for k in range(4)]}}
     ours = peers.CommandLine(tmp_path, DARK, 1)
     ours.known[800, 1] = common.Run(2.0, 2.0, 100.0), scoring.Score(0.1, 0.8)
     peers.one(made, peer, 800, ways, ours, table)
