@@ -102,4 +102,4 @@ def million(report: Report) -> None:
         size = out.stat().st_size
     what = f"{n} dots on {side * side / 1e6:g} Mpx, picture to compact PDF"
     report.row(what, run.taken, f"{size / n:.1f} bytes a dot", bar=None if report.quick else 40)
-    report.row("its memory", run.taken, bar=4096, got=run.memory, unit="MB")
+    report.row(f"{what}: memory", run.taken, bar=4096, got=run.memory, unit="MB")

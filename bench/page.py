@@ -143,8 +143,8 @@ def growth(data: dict[str, Any]) -> str:
             many = [point for point in points if point["dots"] >= 1e4]
             parts = [(f"{point['dots']}", {k: 1e6 * v / point["dots"] for k, v in point["stages"].items()}) for point in many]
             out += stacked("Stages of a whole drawing, by dots", "microseconds a dot", parts, ORDER)
-            per = [Series(name, x[k:], [1e6 * point[what] / point["dots"] for point in points[k:]])
-                   for k, (name, what) in enumerate((("whole drawing", "seconds"), ("one iteration", "iteration")))]  # fmt: skip
+            kinds = {"whole drawing": "seconds", "one iteration": "iteration"}
+            per = [Series(name, x, [1e6 * point[of] / point["dots"] for point in points]) for name, of in kinds.items()]
             out += lines("Time a dot", across, "microseconds a dot", per)
         else:
             parts = [(f"{mpx:g} Mpx", point["stages"]) for mpx, point in zip(x, points, strict=True)]
