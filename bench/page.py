@@ -88,7 +88,7 @@ def versus(data: dict[str, Any]) -> str:
     """The ratios as plots, at equal tone and at equal evenness too."""
     plots, found = [], data["figures"].get("peers", [])
     for goal, words in (("near", "equal tone error"), ("even", "equal tone error and equal evenness")):
-        rows = [(f"{line['peer']}, {line['dots']}", line[goal]["ratio"]) for line in found if goal in line]
+        rows = [(f"{line['peer']}, {line['dots']} dots", line[goal]["ratio"]) for line in found if goal in line]
         plots.append(ratios(f"Seconds to {words}: theirs over ours", "times as fast; loops alone, in a warm process", rows))
     return "".join(plots)
 
