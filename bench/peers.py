@@ -231,6 +231,9 @@ def one(report: Report, peer: Peer, dots: int, ways: Ways, ours: CommandLine, ta
     if report.quick and peer.slow:
         report.missing(f"{peer.name}, {dots} dots", "it takes long and this run is quick")
         return
+    if dots > peer.most:
+        report.missing(f"{peer.name}, {dots} dots", f"it places {peer.most} at most, and is compared at these")
+        return
     try:
         theirs = measured(peer, ours.folder, dots, ours.dark)
     except (OSError, ValueError, subprocess.SubprocessError) as error:
