@@ -14,17 +14,19 @@ import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from common import HERE, Report, Run, Taken, process
+from common import HERE, Report, Run, Taken, process, seconds
 from PIL import Image
 from scoring import Score, camera, darkness, scored
-from solvers import DEFAULT, HALFTONE, LOOKED_AT, SOLVERS, Point, steps_of, taken, until
+from solvers import DEFAULT, HALFTONE, LOOKED_AT, SOLVERS, Point, steps_of, until
 
 import crowquill
-from crowquill import judge, seen
+from crowquill import judge, relax, seen
+from crowquill.tone import Tone
 
 HOME, SCRIPTS = HERE / ".peers", HERE / "others"
 PROGRAM = str(Path(sys.executable).parent / "crowquill")
@@ -226,6 +228,15 @@ def compared(report: Report, ways: Ways) -> None:
                     one(report, peer, dots, ways, ours, table)
 
 
+def halftone(report: Report, dots: int, dark: np.ndarray, theirs: Taken) -> None:
+    """Our own halftone by itself, from the picture's array to the dots."""
+    tone = Tone(dark, (dark.shape[1], dark.shape[0]))
+    work = partial(relax.scatter, tone, dots, np.random.default_rng(0), "floyd-steinberg")
+    own, good = seconds(work, 3), scored(work(), dark)
+    said = f"tone error {good.tone:.4f}, rho {good.rho:.3f}; {theirs.least / own.least:.2f} times as fast"
+    report.row(f"  crowquill's own halftone, {dots} dots", own, said)
+
+
 def one(report: Report, peer: Peer, dots: int, ways: Ways, ours: CommandLine, table: list[dict[str, Any]]) -> None:
     """One peer at one number of dots: its row, ours for the same quality, and the line of the table."""
     if report.quick and peer.slow:
@@ -244,11 +255,7 @@ def one(report: Report, peer: Peer, dots: int, ways: Ways, ours: CommandLine, ta
     line = {"peer": peer.name, "dots": dots, "passes": peer.passes, **theirs.score._asdict(),
             "loop": theirs.loop._asdict(), "run": theirs.run._asdict()}  # fmt: skip
     if not peer.relaxes:
-        own = ways[dots][HALFTONE][0]
-        said = f"tone error {own['tone']:.4f}, rho {own['rho']:.3f}"
-        report.row(
-            f"  crowquill's own halftone, {dots} dots", taken(own), f"{said}; {theirs.loop.least / own['seconds']:.2f} times as fast"
-        )
+        halftone(report, dots, ours.dark, theirs.loop)
     for goal, even in (("near", False), ("even", True)):
         won = reached(ways[dots], theirs.score, even=even, relaxed=peer.relaxes)
         asked = f"{'as near in tone as' if goal == 'near' else 'as near and as even as'} {peer.name}, {dots} dots"

@@ -233,9 +233,8 @@ def test_a_peer_is_put_beside_the_solver_that_is_as_good_soonest(tmp_path):
     made, table = report(), []
     np.save(tmp_path / "out.npy", RANDOM)
     (tmp_path / "figures.json").write_text('{"seconds": 5.0, "cpu": 4.0}')
-    peer = peers.Peer(
-        "a poor one", "", lambda *_: [sys.executable, "-c", ""], lambda folder: (np.load(folder / "out.npy"), None), "one pass"
-    )
+    command, read = lambda *_: [sys.executable, "-c", ""], lambda folder: (np.load(folder / "out.npy"), None)
+    peer = peers.Peer("a poor one", "", command, read, "one pass", relaxes=False)
     ways = {800: {solvers.DEFAULT: [{"step": k, "seconds": 9.0, "cpu": 9.0, "tone": 0.4 - 0.15 * k, "rho": 0.7} for k in range(4)]}}
     ours = peers.CommandLine(tmp_path, DARK, 1)
     ours.known[800, 1] = common.Run(2.0, 2.0, 100.0), scoring.Score(0.1, 0.8)
@@ -244,6 +243,7 @@ def test_a_peer_is_put_beside_the_solver_that_is_as_good_soonest(tmp_path):
     assert table[0]["near"]["ratio"] == pytest.approx(5 / table[0]["near"]["seconds"])
     assert table[0]["command"]["steps"] == 1
     assert "a poor one" in page.html(made.data)
+    assert any(row["what"] == "  crowquill's own halftone, 800 dots" for row in made.data["rows"] if "seconds" in row)
 
 
 def test_what_a_start_relaxes_is_the_starts(monkeypatch):
