@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import tempfile
@@ -18,6 +19,7 @@ from crowquill import cells, halftone, hilbert, judge, moments, relax, route, se
 from crowquill.objects import Objects, Shape
 from crowquill.paths import Paths
 from crowquill.tone import Tone
+from crowquill.units import INCH
 
 
 def iteration(sites: np.ndarray, canvas: shapely.Geometry, tone: Tone) -> moments.Moments:
@@ -100,11 +102,13 @@ def routed(report: Report, quick: bool) -> None:
         except ChildProcessError as error:
             report.missing("vpype linesort", str(error))
             return
-        lines = crowquill.load(sorted_).layers[0].art.xy.reshape(-1, 2, 2)
+        ends = re.findall(r'<line x1="([\d.]+)" x2="([\d.]+)" y1="([\d.]+)" y2="([\d.]+)"', Path(sorted_).read_text())
+        x0, x1, y0, y1 = np.array(ends, np.float64).reshape(-1, 4).T * INCH / 96
     theirs = both.seconds - read.seconds
-    way = float(np.hypot(*(lines[1:, 0] - lines[:-1, 1]).T).sum()) / best
-    report.row(f"vpype linesort, the same {n} dots", both.taken._replace(least=theirs, mean=theirs, cpu=both.cpu - read.cpu),
-               f"{way:.3f} times 0.7124 sqrt(N A)", bar=10, got=theirs / ours.least, unit="times route.order", least=True)  # fmt: skip
+    way = float(np.hypot(x0[1:] - x1[:-1], y0[1:] - y1[:-1]).sum()) / best
+    sorting = both.taken._replace(least=theirs, mean=theirs, cpu=both.cpu - read.cpu)
+    said = f"{len(x0)} dots, {way:.3f} times 0.7124 sqrt(N A)"
+    report.row("vpype linesort, the same", sorting, said, bar=10, got=theirs / ours.least, unit="times route.order", least=True)
 
 
 def judged(report: Report) -> None:
