@@ -102,8 +102,8 @@ def routed(report: Report, quick: bool) -> None:
         except ChildProcessError as error:
             report.missing("vpype linesort", str(error))
             return
-        ends = re.findall(r'<line x1="([\d.]+)" x2="([\d.]+)" y1="([\d.]+)" y2="([\d.]+)"', Path(sorted_).read_text())
-        x0, x1, y0, y1 = np.array(ends, np.float64).reshape(-1, 4).T * INCH / 96
+        found = re.findall(r'<line x1="([\d.]+)" x2="([\d.]+)" y1="([\d.]+)" y2="([\d.]+)"', Path(sorted_).read_text())
+        x0, x1, y0, y1 = np.array(found, np.float64).reshape(-1, 4).T * INCH / 96
     theirs = both.seconds - read.seconds
     way = float(np.hypot(x0[1:] - x1[:-1], y0[1:] - y1[:-1]).sum()) / best
     sorting = both.taken._replace(least=theirs, mean=theirs, cpu=both.cpu - read.cpu)
