@@ -18,7 +18,7 @@ SOURCE = ROOT / "src" / "crowquill"
 # Who may import whom: a module imports from lines above its own, and from no other module of its line.
 LAYERS = """
 units kernel
-knobs
+knobs cluster
 paths
 heap
 hilbert halftone exact vector picture lettering marks hatching
