@@ -34,7 +34,7 @@ settling shapes
 relax route
 capacity splitting
 stippling screening laying inkdots exemplar
-aligned contrast nibs mingling reversal
+aligned contrast nibs mingling reversal tiling
 plotting finishing
 styles formats
 inking

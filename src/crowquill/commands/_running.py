@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
-from crowquill import formats, styles
+from crowquill import formats, kernel, styles, tiling
 from crowquill.commands import note, plain, say
 from crowquill.formats import _plates
 from crowquill.sheet import Sheet, Shown, Step
@@ -31,6 +31,10 @@ class Run:
     dry_run: bool
     plates: Path | None
     plates_as: str | None
+    workers: int | None = None
+    scheduler: str | None = None
+    work: Path | None = None
+    kept: list[Path] = field(default_factory=list)
     began: float = field(default_factory=time.perf_counter)
 
     @property
@@ -83,8 +87,19 @@ class Run:
             _plates.foresee(size, kind=self.kind, values=files)
 
     def done(self, work: styles.Work) -> Sheet:
-        """The sheet of work run to its end, with a progress bar on a terminal."""
-        return styles.run(work) if self.quiet else watched(work)
+        """The sheet of work run to its end, with a progress bar on a terminal; tiles go to those who were asked for."""
+        with tiling.hiring(tiling.Hands(self.workers or kernel.CORES, self.scheduler, self.work, self.kept)):
+            return styles.run(work) if self.quiet else watched(work)
+
+    def check_tiles(self, tiles: str | None) -> None:
+        """Raises ValueError for options of tiles where nothing is drawn in tiles, and for a folder that cannot be worked in."""
+        typed = [name for name in ("workers", "scheduler", "work") if getattr(self, name) is not None]
+        if typed and tiles is None:
+            raise ValueError(f"--{typed[0]} is for drawings in tiles; add --tiles auto to stipple, or leave it out")
+        if self.workers is not None and self.scheduler is not None:
+            raise ValueError("--workers are processes here, and the scheduler has its own; leave one out")
+        if self.work is not None:
+            formats.check([self.work / "tiles.npz"])
 
     def write(self, sheet: Sheet, files: Mapping[str, Any], sources: Sequence[Path], said: Collection[str] = ()) -> int:
         """Writes all files of a sheet, or none, and says what came of it.
@@ -103,6 +118,8 @@ class Run:
         if self.report and to_file:
             plan.append((self.report, lambda file: file.write(f"{told.text()}\n".encode())))
         formats.replace_files(plan)
+        for path in self.kept:
+            path.unlink(missing_ok=True)
         for warning in warnings:
             note(warning)
         if self.report and not to_file:
