@@ -263,8 +263,8 @@ class _Cluster(Workers):
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """The future of fn(*args, **kwargs) on a worker that is not avoided."""
-        more = {"workers": self._others()} if self._avoided else {}
-        given, future = self._client.get_executor(**more).submit(fn, *args, **kwargs), Future[Any]()
+        where = {"workers": self._others()} if self._avoided else {}
+        given, future = self._client.get_executor(pure=False, **where).submit(fn, *args, **kwargs), Future[Any]()
         future.add_done_callback(lambda done: done.cancelled() and given.cancel())
         given.add_done_callback(lambda given: self._passed_on(given, future))
         return future
