@@ -18,8 +18,8 @@ SOURCE = ROOT / "src" / "crowquill"
 # Who may import whom: a module imports from lines above its own, and from no other module of its line.
 LAYERS = """
 units kernel
-knobs cluster
-paths
+knobs processes
+paths cluster
 heap
 hilbert halftone exact vector picture lettering marks hatching
 regular
