@@ -27,7 +27,7 @@ light delaunay frontier
 tone tracing sheet curves
 cells glyphs raster forme scale plotforms greydots printable inks
 trimming plots
-moments measure field layout contact grid separation
+moments measure field layout contact grid separation pasting
 spectrum quadrature texture likeness inertia tiles
 spacing objects parting tesserae
 settling shapes

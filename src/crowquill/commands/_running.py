@@ -7,17 +7,20 @@ import json
 import os
 import sys
 import time
-from collections.abc import Collection, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, BinaryIO, TypeVar
 
-from crowquill import formats, kernel, styles, tiling
+from crowquill import formats, kernel, pasting, styles, tiling
 from crowquill.commands import note, plain, say
 from crowquill.formats import _plates
+from crowquill.knobs import of
 from crowquill.sheet import Sheet, Shown, Step
 
 Found = TypeVar("Found")
+SET = {"embed", *of(pasting.cut)}  # settings of files that are no format's
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,7 @@ class Run:
             raise ValueError("--plates-as is for plates; add --plates DIR")
         modules = self.modules()
         told = [*self.out, *(_plates.targets(self.kind) if self.plates else [])]
-        formats.writers(Sheet((1, 1)), [(path, None) for path in told], {key: value for key, value in asked.items() if key != "embed"})
+        formats.writers(Sheet((1, 1)), [(path, None) for path in told], {key: value for key, value in asked.items() if key not in SET})
         for path, module in zip(self.out, modules, strict=True):
             if strokes and getattr(module, "STROKES", False):
                 raise ValueError(f"{path}: {strokes}")
@@ -82,7 +85,10 @@ class Run:
 
     def foresee(self, size: tuple[float, float], marks: int, files: Mapping[str, Any]) -> None:
         """Raises the error that writing a sheet of this size and number of marks would raise, where that is known before."""
-        formats.foresee(self.out, size, marks, self._taken(files))
+        cut = self._cut(size, files)
+        if cut:
+            formats.check([path for _, path in self._sheets(cut)], overwrite=self.overwrite)
+        formats.foresee(self.out, cut.paper if cut else size, marks, self._taken(files))
         if self.plates:
             _plates.foresee(size, kind=self.kind, values=files)
 
@@ -106,7 +112,7 @@ class Run:
 
         files  knobs of formats by a recipe's table; said are notes beside the sheet's own
         """
-        plan = list(zip(self.out, formats.writers(sheet, [(path, None) for path in self.out], self._taken(files)), strict=True))
+        plan = self._plan(sheet, files)
         if self.plates:
             every = _plates.plan(sheet, self.plates, self.out[0].stem, kind=self.kind, values=files)
             formats.check([*self.out, *(path for path, _ in every)], overwrite=self.overwrite, sources=sources)
@@ -127,6 +133,31 @@ class Run:
         elif not self.quiet:
             say(told.summary())
         return 0
+
+    def _plan(self, sheet: Sheet, files: Mapping[str, Any]) -> list[tuple[Path, Callable[[BinaryIO], object]]]:
+        """The files of a sheet, or of all that it is cut to, and what writes each: one sheet at a time is made when it is written."""
+        taken, cut = self._taken(files), self._cut(sheet.size, files)
+        if cut is None:
+            return list(zip(self.out, formats.writers(sheet, [(path, None) for path in self.out], taken), strict=True))
+
+        def written(place: pasting.Place, path: Path, file: BinaryIO) -> None:
+            formats.writers(cut.sheet(sheet, place), [(path, None)], taken)[0](file)
+
+        return [(path, partial(written, place, path)) for place, path in self._sheets(cut)]
+
+    def _sheets(self, cut: pasting.Cut) -> list[tuple[pasting.Place, Path]]:
+        """The place of each sheet and the path of each of its files."""
+        return [(place, path.with_stem(f"{path.stem}-{pasting.name(place)}")) for place in cut.places for path in self.out]
+
+    def _cut(self, size: tuple[float, float], files: Mapping[str, Any]) -> pasting.Cut | None:
+        """How a drawing is cut to sheets, if it is. Raises what pasting.cut raises, and ValueError for settings of no use."""
+        wish = {key: value for key, value in files.items() if key in of(pasting.cut) and value is not None}
+        cut = pasting.cut(size, **wish)
+        if cut is None and wish:
+            raise ValueError("overlap is given for no sheets; add sheets a4, or leave it out")
+        if cut and self.plates:
+            raise ValueError("plates are of one sheet each; leave out plates, or sheets")
+        return cut
 
     def _taken(self, files: Mapping[str, Any]) -> dict[str, Any]:
         """Those knobs that a format written takes."""

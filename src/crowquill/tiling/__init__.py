@@ -9,7 +9,7 @@ page, to the rounding of sums, and there are no seams to be mended in rounds: th
 from __future__ import annotations
 
 from collections.abc import Generator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Annotated, Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from crowquill.moments import Moments
 from crowquill.paths import Array
 from crowquill.sheet import Step
 from crowquill.stippling import Clock
+from crowquill.tiling import seams
 from crowquill.tiling.grid import Grid, asked
 from crowquill.tiling.hands import Hands, hiring, pooled
 from crowquill.tiling.page import Kept, Page
@@ -56,11 +57,14 @@ def settled(
     clock.lap("place")
     found = yield from relaxed(sites, demand, tiles=tiles, **how)
     clock.lap("relax")
+    told = seams.of(found.sites, found.grid.lines, demand.size, np.random.default_rng(0))
+    clock.lap("measure")
     none = np.zeros((0, 2))
     cells, sums = voronoi(none, demand.canvas), Moments.of(np.zeros((0, 6)), none, none)
     state = relax.State(found.done, found.sites, cells, sums, found.energy, found.movement)
     columns, rows = found.grid.shape
-    return state, {"tiles": {"columns": columns, "rows": rows, "done_again": found.again}, "warnings": list(found.said)}
+    tiling = {"columns": columns, "rows": rows, "done_again": found.again, "seams": asdict(told)}
+    return state, {"tiles": tiling, "warnings": list(found.said)}
 
 
 def relaxed(

@@ -31,12 +31,9 @@ class Grid:
     @classmethod
     def of(cls, sites: Array, columns: int, rows: int, size: tuple[float, float]) -> Grid:
         """The grid of so many columns and rows over first sites (n, 2) mm. Lines may coincide where sites do."""
-        if not len(sites):
-            columns = rows = 1
-        across = np.quantile(sites[:, 0], np.arange(1, columns) / columns)
+        across = _cuts(sites[:, 0], columns)
         column = np.searchsorted(across, sites[:, 0], side="right")
-        each = [sites[column == k, 1] for k in range(columns)]
-        down = [np.quantile(y, np.arange(1, rows) / rows) if len(y) else np.zeros(rows - 1) for y in each]
+        down = [_cuts(sites[column == k, 1], rows) for k in range(columns)]
         return cls(across, np.array(down).reshape(columns, rows - 1), size)
 
     @property
@@ -58,6 +55,11 @@ class Grid:
         upright = [((x, 0.0), (x, height)) for x in self.across]
         level = [((edges[k], y), (edges[k + 1], y)) for k, own in enumerate(self.down) for y in own]
         return np.array([*upright, *level], np.float64).reshape(-1, 2, 2)
+
+
+def _cuts(values: Array, parts: int) -> Array:
+    """Where values are cut into so many parts of equally many, (parts - 1,) rising; 0 where there are none."""
+    return np.quantile(values, np.arange(1, parts) / parts) if len(values) else np.zeros(parts - 1)
 
 
 def asked(tiles: str, dots: int, size: tuple[float, float]) -> tuple[int, int, list[str]]:

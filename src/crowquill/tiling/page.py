@@ -72,11 +72,13 @@ class Page:
             for future in wait(waiting, return_when=FIRST_COMPLETED).done:
                 j, found = waiting.pop(future), future.result()
                 k = full[j]
-                given, self.halo[k] = self.halo[k].copy(), found.looked * MORE
-                if (found.looked > given)[~self._ends(boxes[j], given)].any():
-                    todo.append(j)
+                given, looked = self.halo[k], found.looked
+                if ((looked > given) & ~self._ends(boxes[j], given)).any():
+                    self.halo[k] = np.maximum(given, looked * MORE)  # never less on any side, so that it ends
                     self.again += 1
+                    todo.append(j)
                     continue
+                self.halo[k] = looked * MORE
                 places[self.start[k] : self.start[k + 1]] = found.places
                 sums[j] = found.energy, found.movement
                 done += 1
