@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO, TypeVar
 
-from crowquill import formats, kernel, pasting, styles, tiling
+from crowquill import cluster, formats, kernel, pasting, styles, tiling
 from crowquill.commands import note, plain, say
 from crowquill.formats import _plates
 from crowquill.knobs import of
@@ -94,8 +94,13 @@ class Run:
 
     def done(self, work: styles.Work) -> Sheet:
         """The sheet of work run to its end, with a progress bar on a terminal; tiles go to those who were asked for."""
-        with tiling.hiring(tiling.Hands(self.workers or kernel.CORES, self.scheduler, self.work, self.kept)):
-            return styles.run(work) if self.quiet else watched(work)
+        try:
+            with tiling.hiring(tiling.Hands(self.workers or kernel.CORES, self.scheduler, self.work, self.kept)):
+                return styles.run(work) if self.quiet else watched(work)
+        except KeyboardInterrupt:
+            if any(path.exists() for path in self.kept):
+                note(f"what is done is kept in {self.work}; the same command goes on there")
+            raise
 
     def check_tiles(self, tiles: str | None) -> None:
         """Raises ValueError for options of tiles where nothing is drawn in tiles, and for a folder that cannot be worked in."""
@@ -106,6 +111,9 @@ class Run:
             raise ValueError("--workers are processes here, and the scheduler has its own; leave one out")
         if self.work is not None:
             formats.check([self.work / "tiles.npz"])
+        if self.scheduler is not None:
+            with cluster.workers(self.scheduler, 1):  # answers, before any work
+                pass
 
     def write(self, sheet: Sheet, files: Mapping[str, Any], sources: Sequence[Path], said: Collection[str] = ()) -> int:
         """Writes all files of a sheet, or none, and says what came of it.

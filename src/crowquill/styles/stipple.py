@@ -55,15 +55,17 @@ def draw(
     ink             the union of the dots covers what is asked up to 0.97, because the number of
                     dots makes up for their overlap; the report has `coverage_missing`
     min_gap         presses tones together to what dots so far apart can cover, so that tone still rises with tone
-    tiles           relax in these, on the workers of tiling.hired: the same drawing, to parts of a nanometre before places
+    tiles           relax in these, on the workers of tiling.hiring: the same drawing, to parts of a nanometre before places
                     are rounded to micrometres; of equal dots only
     no ink          an empty sheet and a warning. Raises ValueError for more than max_dots, for a
                     pen wider than the canvas, for pen and sizes together, and for tiles of dots that differ
     """
     clock = Clock()
     nibs = Nibs.of(pen, glyphs, sizes=sizes, size_by=size_by, dots=dots)
-    if tiles is not None and nibs.span[0] != nibs.span[1]:
-        raise ValueError("tiles are for dots of one size; leave out tiles, or sizes and size-by tone")
+    if tiles is not None:
+        tiling.asked(tiles, 0, tone.size)
+        if nibs.span[0] != nibs.span[1]:
+            raise ValueError("tiles are for dots of one size; leave out tiles, or sizes and size-by tone")
     plan = planned(tone, pen=nibs.pen, dots=dots, span=nibs.span, white=white, white_rule=white_rule, min_gap=min_gap, max_dots=max_dots)
     yield Step("plan", 0, 1, {"dots": plan.dots, "pen_mm": plan.pen, "seconds": expected_seconds(plan.dots, iterations)})
     chance = rng.spawn(3)
