@@ -52,12 +52,11 @@ class Strip:
 def of(sites: Array, lines: Array, size: tuple[float, float], rng: np.random.Generator, most: int = 400) -> Seams:
     """How well strips along straight lines (k, 2, 2) mm, upright or level, can be told from others, by sites (n, 2) mm in a size.
 
-    most  strips of each kind: on every line in proportion to its length; as many elsewhere, clear of all lines
+    most  strips of each kind: on every line in proportion to its length; as many elsewhere, clear of all lines and of each other
     """
-    order = np.argsort(sites[:, 0], kind="stable")
-    sites = sites[order]
+    sites = np.array(sites[np.argsort(sites[:, 0], kind="stable")], order="F")  # x by itself, to be searched without a copy
     spacing = float(np.sqrt(size[0] * size[1] / max(1, len(sites))))
-    places = _along(lines, LONG * spacing, most, rng)
+    places = _along(lines, LONG * spacing, most)
     beside = _beside(places, lines, spacing, size, rng)
     on = [strip for place in places if (strip := _strip(sites, place, spacing, size)) is not None]
     off = [strip for place in beside if (strip := _strip(sites, place, spacing, size)) is not None]
@@ -66,7 +65,7 @@ def of(sites: Array, lines: Array, size: tuple[float, float], rng: np.random.Gen
     return Seams(_nearest(on, off, rng), _spectrum(on, off, rng), len(on), len(off))
 
 
-def _along(lines: Array, long: float, most: int, rng: np.random.Generator) -> list[tuple[Array, int]]:
+def _along(lines: Array, long: float, most: int) -> list[tuple[Array, int]]:
     """Middles of strips on lines, and the axis that each lies along."""
     found: list[tuple[Array, int]] = []
     total = float(np.hypot(*(lines[:, 1] - lines[:, 0]).T).sum()) if len(lines) else 0.0
@@ -74,8 +73,7 @@ def _along(lines: Array, long: float, most: int, rng: np.random.Generator) -> li
         length = float(np.hypot(*(end - begin)))
         axis = int(abs(end[1] - begin[1]) > abs(end[0] - begin[0]))
         number = min(int(length / long), max(1, round(most * length / total)))
-        at = (np.arange(number) + rng.random(number)) / max(1, number)
-        found += [(begin + t * (end - begin), axis) for t in at]
+        found += [(begin + (k + 0.5) / number * (end - begin), axis) for k in range(number)]
     return found
 
 
@@ -83,15 +81,20 @@ def _beside(
     places: list[tuple[Array, int]], lines: Array, spacing: float, size: tuple[float, float], rng: np.random.Generator
 ) -> list[tuple[Array, int]]:
     """For each strip one moved elsewhere, clear of all lines, near it if one of some tries is."""
-    found = []
+    found: list[tuple[Array, int]] = []
+    taken = np.zeros((0, 4))  # middles and half sides of what is found
     for middle, axis in places:
-        clear = np.where(np.arange(2) == axis, LONG / 2 + AROUND, WIDE / 2 + AROUND + 1) * spacing
+        half = np.where(np.arange(2) == axis, LONG, WIDE) * spacing / 2
+        clear = half + (AROUND + 1) * spacing
         low, high = lines.min(axis=1) - clear, lines.max(axis=1) + clear
         near = middle + rng.uniform(-0.25, 0.25, (TRIES, 2)) * size
         others = np.concatenate([near, rng.random((TRIES, 2)) * size])
         free = ((others >= 0) & (others <= size)).all(axis=1)
-        free &= ~((others[:, None] >= low) & (others[:, None] <= high)).all(axis=2).any(axis=1)
-        found += [(others[k], axis) for k in np.flatnonzero(free)[:1]]
+        free &= ~np.any(np.all((others[:, None] >= low) & (others[:, None] <= high), axis=2), axis=1)
+        free &= ~np.any(np.all(np.abs(others[:, None] - taken[:, :2]) < half + taken[:, 2:], axis=2), axis=1)
+        for k in np.flatnonzero(free)[:1]:
+            found.append((others[k], axis))
+            taken = np.concatenate([taken, [[*others[k], *half]]])
     return found
 
 
@@ -129,7 +132,8 @@ def _power(away: Array) -> Array:
     u, v = np.arange(0, int(2 * LONG) + 1), np.arange(-int(2 * WIDE), int(2 * WIDE) + 1)
     across, along = np.meshgrid(v, u, indexing="ij")
     f = np.hypot(along / LONG, across / WIDE)
-    waves = np.exp(-1j * np.pi * np.outer(v, away[:, 1])) @ (weight[:, None] * np.exp(-1j * np.pi * np.outer(away[:, 0], u)))
+    turns = np.exp(-1j * np.pi * np.outer(v, away[:, 1])), np.exp(-1j * np.pi * np.outer(u, away[:, 0]))
+    waves = np.einsum("vk,uk,k->vu", *turns, weight)  # so small that a matrix product's threads cost more than they bring
     power = np.abs(waves) ** 2 / (weight**2).sum()
     kind = np.where(np.abs(along) / LONG > np.abs(across) / WIDE, 0, 1)
     ring = np.digitize(f, RINGS) - 1
