@@ -140,7 +140,7 @@ def name(place: Place) -> str:
 
 def _told(place: Place, shape: Place) -> str:
     last = name((shape[0] - 1, shape[1] - 1))
-    return f"{name(place)} of A1 to {last}" if shape != (1, 1) else name(place)
+    return f"sheet {name(place)} of A1 to {last}" if shape != (1, 1) else f"sheet {name(place)}"
 
 
 def _shown(layer: Layer, low: Array, high: Array) -> Layer | None:
