@@ -224,6 +224,15 @@ def test_what_is_kept_of_other_work_is_not_taken_up(alone, tmp_path):
     assert steps == [0, 1]
 
 
+@pytest.mark.parametrize("damage", [b"", b"PK", b"no such thing"], ids=["empty", "cut", "other"])
+def test_what_is_kept_and_broken_is_begun_anew(alone, tmp_path, damage):
+    hands = tiling.Hands(folder=tmp_path)
+    with tiling.hiring(hands):
+        tiled(alone[0], TONES["islands in white"])
+        hands.kept[0].write_bytes(damage)
+        assert tiled(alone[0], TONES["islands in white"]).sites.tobytes() == alone[1]
+
+
 # seams
 
 
@@ -269,16 +278,25 @@ def test_too_few_strips_say_nothing():
 @pytest.mark.parametrize("name", TONES)
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_seams_of_many_dots_cannot_be_told_from_the_rest_nor_from_the_whole_drawing(name, seed):
-    tone, steps = TONES[name], 30
-    sites = first(tone, 60_000, seed)
-    found, state = tiled(sites, tone, tiles="5x4", iterations=steps), whole(sites, tone, steps)
+    tone, steps = TONES[name], 20
+    sites = first(tone, 40_000, seed)
+    found, state = tiled(sites, tone, tiles="4x4", iterations=steps), whole(sites, tone, steps)
     assert off(found, state) < NEAR
     told, same = (seams.of(each, found.grid.lines, tone.size, np.random.default_rng(1)) for each in (found.sites, state.sites))
     print(name, seed, told, same)
     for one in (told, same):
         assert one.nearest is not None and one.nearest > 0.01, one
         assert one.spectrum is not None and one.spectrum > 0.01, one
-    bad = seams.of(walled(sites, tone, found.grid, steps), found.grid.lines, tone.size, np.random.default_rng(1))
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_hard_borders_of_many_dots_are_told(seed):
+    tone = TONES["soft"]
+    sites = first(tone, 40_000, seed)
+    grid = Grid.of(sites, 4, 4, tone.size)
+    bad = seams.of(walled(sites, tone, grid, 20), grid.lines, tone.size, np.random.default_rng(1))
+    print("hard borders", seed, bad)
     assert bad.nearest is not None and bad.spectrum is not None
     assert max(bad.nearest, bad.spectrum) < 0.01, bad
 

@@ -55,7 +55,9 @@ def settled(
     sites = relax.scatter(demand, dots, rng, start)
     yield Step("place", 1, 1, {"dots": len(sites)})
     clock.lap("place")
-    found = yield from relaxed(sites, demand, tiles=tiles, **how)
+    work = relaxed(sites, demand, tiles=tiles, **how)
+    del sites  # 16 bytes a dot that are held in no other order
+    found = yield from work
     clock.lap("relax")
     told = seams.of(found.sites, found.grid.lines, demand.size, np.random.default_rng(0))
     clock.lap("measure")
@@ -90,6 +92,7 @@ def relaxed(
     columns, rows, said = asked(tiles, len(sites), demand.size)
     grid = Grid.of(sites, columns, rows, demand.size)
     page = Page.of(grid, sites, demand, step, exponent, avoid)
+    del sites
     kept = Kept.of(page)
     energy = movement = 0.0
     begin = kept.taken_up() if kept else 0

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import math
+import os
+import zipfile
 from collections.abc import Generator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass
@@ -138,13 +140,14 @@ class Kept:
         self.file, self._page = folder / f"tiles-{made.hexdigest()[:24]}.npz", page
 
     def taken_up(self) -> int:
-        """How many steps are done; the page is as they left it."""
-        if not self.file.exists():
+        """How many steps are done; the page is as they left it. A file that is none, or broken, is none."""
+        try:
+            with np.load(self.file) as kept:
+                sites, halo, again, done = (kept[key] for key in ("sites", "halo", "again", "done"))
+        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
             return 0
-        with np.load(self.file) as kept:
-            self._page.sites, self._page.halo = kept["sites"], kept["halo"]
-            self._page.again = int(kept["again"])
-            return int(kept["done"])
+        self._page.sites, self._page.halo, self._page.again = sites, halo, int(again)
+        return int(done)
 
     def put(self, done: int) -> None:
         """Keeps the page after so many steps, in place of what was there. An OSError names the file."""
@@ -152,6 +155,8 @@ class Kept:
         try:
             with part.open("wb") as file:
                 np.savez(file, sites=self._page.sites, halo=self._page.halo, again=self._page.again, done=done)
+                file.flush()
+                os.fsync(file.fileno())
             part.replace(self.file)
         except OSError as error:
             part.unlink(missing_ok=True)
