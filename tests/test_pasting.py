@@ -176,3 +176,13 @@ def test_what_cannot_be_cut_is_refused_before_any_work(desk, capsys, name):
     assert said in error
     assert Path("wall-A1.pdf").read_bytes() == b"mine"
     assert {path.name for path in desk.iterdir()} == {"ramp.png", "wall-A1.pdf"}
+
+
+def test_a_plate_can_be_a_wall_print_too(desk):
+    Path("plate.toml").write_text('[page]\npaper = "a5"\n[[panel]]\npicture = "ramp.png"\nknobs = { dots = 300, iterations = 1 }\n')
+    assert main(["plate", "plate.toml", "plate.pdf", "--sheets", "110x140mm", "--quiet"]) == 0
+    assert main(["redo", "plate-A1.pdf", "again.pdf", "--quiet"]) == 0
+    names = sorted(path.name for path in desk.glob("plate-*.pdf"))
+    assert names == ["plate-A1.pdf", "plate-A2.pdf", "plate-B1.pdf", "plate-B2.pdf"]
+    for name in names:
+        assert Path(name).read_bytes() == Path(name.replace("plate", "again")).read_bytes()

@@ -7,6 +7,7 @@ import os
 import signal
 import threading
 import time
+import warnings
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -20,8 +21,10 @@ from PIL import Image
 import crowquill
 from crowquill import Tone, processes, relax, styles, tiling
 from crowquill.__main__ import main
+from crowquill.cluster import Workers
 from crowquill.tiling import page, seams, windows
 from crowquill.tiling.grid import Grid, asked
+from crowquill.tiling.hands import submitted
 
 STEPS = 4
 NEAR = 1e-6  # mm: of steps that differ by rounding, 1e-13 mm each, and pull dots together
@@ -231,6 +234,18 @@ def test_what_is_kept_and_broken_is_begun_anew(alone, tmp_path, damage):
         tiled(alone[0], TONES["islands in white"])
         hands.kept[0].write_bytes(damage)
         assert tiled(alone[0], TONES["islands in white"]).sites.tobytes() == alone[1]
+
+
+def test_large_windows_are_handed_out_without_a_word_and_other_warnings_are_heard():
+    class Loud(Workers):
+        count, here = 1, False
+
+        def submit(self, fn: Any, /, *args: Any, **_: Any) -> Any:
+            warnings.warn(fn(*args), stacklevel=2)
+
+    submitted(Loud(), str, "Sending large graph of size 18.40 MiB.")
+    with pytest.warns(UserWarning, match="something else"):
+        submitted(Loud(), str, "something else")
 
 
 # seams

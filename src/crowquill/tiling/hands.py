@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import contextlib
+import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from crowquill.cluster import LostError, Workers, workers
+
+Given = TypeVar("Given")
+Found = TypeVar("Found")
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,13 @@ def hiring(hands: Hands) -> Iterator[None]:
         yield
     finally:
         hired.reset(before)
+
+
+def submitted(pool: Workers, fn: Callable[[Given], Found], given: Given) -> Future[Found]:
+    """The future of a task that is handed out, whatever its size: Dask warns of 10 MB and more, which a window of a picture may be."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Sending large graph", UserWarning)
+        return pool.submit(fn, given)
 
 
 class _Here(Workers):

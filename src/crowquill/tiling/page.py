@@ -21,7 +21,7 @@ from crowquill.cluster import Workers
 from crowquill.paths import Array, Index
 from crowquill.sheet import Step
 from crowquill.tiling.grid import Grid
-from crowquill.tiling.hands import hired
+from crowquill.tiling.hands import hired, submitted
 from crowquill.tiling.windows import Moved, Window, moved
 from crowquill.tone import BLOCK, Tone
 
@@ -70,7 +70,7 @@ class Page:
         while todo or waiting:
             while todo and len(waiting) <= pool.count:
                 j = todo.pop()
-                waiting[pool.submit(moved, self._window(full, boxes, j))] = j
+                waiting[submitted(pool, moved, self._window(full, boxes, j))] = j
             for future in wait(waiting, return_when=FIRST_COMPLETED).done:
                 j, found = waiting.pop(future), future.result()
                 k = full[j]
