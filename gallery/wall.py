@@ -20,7 +20,7 @@ def make(width: float = 140) -> Sheet:
     tone = Tone.load(Path(__file__).with_name("specimen.png"), width=width)
     drawing = draw("stipple", tone, pen=0.45, tiles="2x2")
     across, down = (side / 2 + 4 + 2 * pasting.MARGIN for side in drawing.size)
-    cut = pasting.cut(drawing.size, sheets=f"{across + 0.01:.3f}x{down + 0.01:.3f}mm", overlap=8.0)
+    cut = pasting.cut(drawing.size, sheets=f"{across + 0.01:.3f}x{down + 0.01:.3f}mm", sheet_overlap=8.0)
     layers = []
     for column, row in cut.places:
         at = np.array([column * (cut.paper[0] + 4), row * (cut.paper[1] + 4)])

@@ -30,7 +30,7 @@ def dots(size: tuple[float, float], n: int = 400, seed: int = 0) -> Sheet:
 
 
 def wanted(size: tuple[float, float], sheets: str, overlap: float = 10.0) -> pasting.Cut:
-    found = pasting.cut(size, sheets=sheets, overlap=overlap)
+    found = pasting.cut(size, sheets=sheets, sheet_overlap=overlap)
     assert found is not None
     return found
 
@@ -132,7 +132,7 @@ def test_pixels_are_not_cut():
 )
 def test_what_makes_no_sheets_is_refused(sheets, overlap, said):
     with pytest.raises(ValueError, match=said):
-        pasting.cut((3000.0, 2000.0), sheets=sheets, overlap=overlap)
+        pasting.cut((3000.0, 2000.0), sheets=sheets, sheet_overlap=overlap)
 
 
 @pytest.fixture
@@ -146,7 +146,7 @@ QUICK = ("--paper", "300x400mm", "--tone", "grey", "--dots", "1500", "--iteratio
 
 
 def test_a_wall_print_is_a_file_a_sheet_and_redo_gives_the_same_bytes(desk):
-    assert main(["stipple", "ramp.png", "wall.pdf", "wall.svg", "--sheets", "a4", "--overlap", "12mm", *QUICK]) == 0
+    assert main(["stipple", "ramp.png", "wall.pdf", "wall.svg", "--sheets", "a4", "--sheet-overlap", "12mm", *QUICK]) == 0
     names = {f"wall-{name}.{kind}" for name in ("A1", "A2", "B1", "B2") for kind in ("pdf", "svg")}
     assert {path.name for path in desk.iterdir()} == names | {"ramp.png"}
     assert main(["redo", "wall-B2.pdf", "again.pdf", "again.svg", "--quiet"]) == 0
@@ -156,11 +156,11 @@ def test_a_wall_print_is_a_file_a_sheet_and_redo_gives_the_same_bytes(desk):
         sides = [float(side) * POINT for side in pdf.pages[0].mediabox[2:]]
     assert sorted(sides) == pytest.approx([210, 297], abs=UM)
     page = crowquill.load("wall-B1.svg")
-    assert page.recipe["files"] == {"sheets": "a4", "overlap": 12.0}
+    assert page.recipe["files"] == {"sheets": "a4", "sheet_overlap": 12.0}
 
 
 REFUSED = {
-    "overlap alone": (["--overlap", "5mm"], "--overlap is given for no sheets; add sheets a4, or leave it out"),
+    "overlap alone": (["--sheet-overlap", "5mm"], "--sheet-overlap is given for no sheets; add sheets a4, or leave it out"),
     "plates": (["--sheets", "a4", "--plates", "."], "plates are of one sheet each"),
     "a file that is there": (["--sheets", "a4", "--no-overwrite"], "wall-A1.pdf: is there already"),
 }

@@ -299,9 +299,10 @@ def test_seams_of_many_dots_cannot_be_told_from_the_rest_nor_from_the_whole_draw
     assert off(found, state) < NEAR
     told, same = (seams.of(each, found.grid.lines, tone.size, np.random.default_rng(1)) for each in (found.sites, state.sites))
     print(name, seed, told, same)
-    for one in (told, same):
-        assert one.nearest is not None and one.nearest > 0.01, one
-        assert one.spectrum is not None and one.spectrum > 0.01, one
+    assert told == same, "seams show what the whole drawing does not"
+    if name in ("soft", "islands in white"):  # in the others the picture itself differs from strip to strip, in the whole drawing too
+        assert told.nearest is not None and told.nearest > 0.01, told
+        assert told.spectrum is not None and told.spectrum > 0.01, told
 
 
 @pytest.mark.soak

@@ -103,7 +103,7 @@ def cut(
     size: tuple[float, float],
     *,
     sheets: Annotated[str | None, Text("on sheets of this paper to be pasted together, a file each: a4, letter, 300x400mm")] = None,
-    overlap: Annotated[float, Range(0, 1000, "mm", "what a sheet shares with its neighbours")] = 10.0,
+    sheet_overlap: Annotated[float, Range(0, 1000, "mm", "what a sheet shares with its neighbours")] = 10.0,
 ) -> Cut | None:
     """How a drawing of this size in mm is cut to sheets, or None where none are asked for.
 
@@ -114,12 +114,12 @@ def cut(
         return None
     across, down = paper(sheets)
     turned = [(across, down), (down, across)] if sheets.strip().lower() in PAPERS else [(across, down)]
-    if min(across, down) - 2 * MARGIN <= overlap:
+    if min(across, down) - 2 * MARGIN <= sheet_overlap:
         raise ValueError(
             f"sheets of {across:g} x {down:g} mm leave nothing between margins of {MARGIN:g} mm "
-            f"and an overlap of {overlap:g} mm; give larger paper"
+            f"and an overlap of {sheet_overlap:g} mm; give larger paper"
         )
-    found = min((Cut(size, one, overlap) for one in turned), key=lambda cut: math.prod(cut.shape))
+    found = min((Cut(size, one, sheet_overlap) for one in turned), key=lambda cut: math.prod(cut.shape))
     if (number := math.prod(found.shape)) > MOST:
         raise ValueError(f"the drawing takes {number} sheets, over the limit of {MOST}; give larger paper, or less overlap")
     return found

@@ -162,7 +162,7 @@ class Run:
         wish = {key: value for key, value in files.items() if key in of(pasting.cut) and value is not None}
         cut = pasting.cut(size, **wish)
         if cut is None and wish:
-            raise ValueError("overlap is given for no sheets; add sheets a4, or leave it out")
+            raise ValueError("sheet_overlap is given for no sheets; add sheets a4, or leave it out")
         if cut and self.plates:
             raise ValueError("plates are of one sheet each; leave out plates, or sheets")
         return cut

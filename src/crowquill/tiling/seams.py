@@ -33,6 +33,8 @@ class Seams:
     nearest   of distances to the nearest dot, in spacings: the greatest distance between their distributions (Kolmogorov-Smirnov)
     spectrum  of power by frequency, along and across: the sum of squares of differences over their spread
     on, off   how many strips lie on seams and elsewhere
+
+    A picture whose own grain or edges lie along the lines makes strips differ too; the same strips of a drawing without tiles tell.
     """
 
     nearest: float | None
