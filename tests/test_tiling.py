@@ -254,7 +254,7 @@ def test_large_windows_are_handed_out_without_a_word_and_other_warnings_are_hear
 @pytest.mark.parametrize("name", ["soft", "a ring with an island"])
 def test_seams_cannot_be_told_from_the_rest(name):
     tone = TONES[name]
-    found = tiled(first(tone, 12_000), tone, tiles="3x3")
+    found = tiled(first(tone, 16_000), tone, tiles="4x4")
     told = seams.of(found.sites, found.grid.lines, tone.size, np.random.default_rng(1))
     assert min(told.on, told.off) >= seams.FEWEST
     assert told.nearest is not None and told.nearest > 0.01, told
@@ -275,8 +275,8 @@ def walled(sites: Any, tone: Tone, grid: Grid, steps: int) -> Any:
 
 def test_tiles_with_hard_borders_are_told_by_their_seams():
     tone = TONES["soft"]
-    sites = first(tone, 12_000)
-    grid = Grid.of(sites, 3, 3, tone.size)
+    sites = first(tone, 16_000)
+    grid = Grid.of(sites, 4, 4, tone.size)
     told = seams.of(walled(sites, tone, grid, STEPS), grid.lines, tone.size, np.random.default_rng(1))
     assert told.nearest is not None and told.nearest < 0.01, told
     assert told.spectrum is not None and told.spectrum < 0.01, told
