@@ -28,6 +28,7 @@ SMALLER |= {"figure_3_13": {"width": 40.0}, "ink_dots": {"width": 30.0}}
 SMALLER |= {"journal_plate": {"pen": 0.6}, "outline": {"pen": 0.8}}
 SMALLER |= {"hedcut": {"pen": 0.9}, "isophote": {"pen": 0.9}, "edges": {"fine": 0.6, "broad": 0.9, "iterations": 3}}
 SMALLER |= {"contrast": {"dots": 900}, "frontier": {"every": 900}}
+SMALLER |= {"wall": {"width": 60.0}}
 SMALLER |= {"comparison": {"dots": 600, "styles": ("stipple", "contrast")}}
 COLOURED = {"measures", "plotter", "duotone", "figure_3_12", "editor", "editor_objects", "four_inks", "two_inks", "still_life"}
 KILOBYTES = {"plate": 900, "specimen": 2500}  # of a PNG; 400 for the others

@@ -30,14 +30,14 @@ light footprint delaunay frontier
 tone tracing sheet curves
 cells glyphs raster forme scale plotforms greydots printable inks
 trimming plots strips
-moments measure field layout contact grid separation
+moments measure field layout contact grid separation pasting
 spectrum quadrature texture likeness inertia tiles
 spacing objects parting tesserae
 settling shapes refining
 relax route
 capacity splitting
 stippling screening laying inkdots exemplar
-aligned contrast nibs mingling reversal
+aligned contrast nibs mingling reversal tiling
 plotting finishing
 styles formats
 inking

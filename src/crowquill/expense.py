@@ -16,6 +16,7 @@ SETTING = "CROWQUILL_MEMORY"  # of the environment: gigabytes that may be taken,
 PROCESS = Path("/proc/self")
 # Measured on drawings of 100 000 to a million dots on 4 and 16 Mpx, from the plan to the written file, a tenth added.
 A_DOT = 900  # bytes: cells, moments, outlines
+A_TILED = 600  # bytes of a dot relaxed in tiles: of four million, after that
 A_PIXEL = 45  # bytes: the weight of cells, and its sums along rows
 A_CODE = 4  # bytes of a pixel of a large picture, which is kept as codes
 
@@ -45,10 +46,10 @@ def expected_seconds(dots: int, iterations: int) -> float:
     return round(unit * dots / 100_000 * (0.15 * (iterations + 8) + 2.5) + 1, 1)
 
 
-def relaxed(dots: int, pixels: tuple[int, int]) -> float:
-    """The bytes that so many dots take at most, from their plan on, relaxed over a picture of (rows, columns)."""
+def relaxed(dots: int, pixels: tuple[int, int], *, tiled: bool = False) -> float:
+    """The bytes that so many dots take at most, from their plan on, relaxed over a picture of (rows, columns), whole or in tiles."""
     size = pixels[0] * pixels[1]
-    return float(A_DOT * dots + (A_PIXEL if size < LARGE else A_CODE) * size)
+    return float((A_TILED if tiled else A_DOT) * dots + (A_PIXEL if size < LARGE and not tiled else A_CODE) * size)
 
 
 def held() -> float:

@@ -46,6 +46,21 @@ def _running(
         str | None, typer.Option(help="The plates' format: pdf, or tiff of 1 bit at --dpi, or 2400.", rich_help_panel=RUN, metavar="KIND")
     ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say size, dots and time, and write nothing.", rich_help_panel=RUN)] = False,
+    workers: Annotated[
+        int | None, typer.Option(help="With --tiles: so many processes work them; all cores when left out.", rich_help_panel=RUN, min=1)
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(help="With --tiles: the workers of this Dask scheduler do: tcp://host:8786.", rich_help_panel=RUN, metavar="ADDRESS"),
+    ] = None,
+    work: Annotated[
+        Path | None,
+        typer.Option(
+            help="With --tiles: keep what is done in this folder, where the same command goes on if it is stopped.",
+            rich_help_panel=RUN,
+            metavar="DIR",
+        ),
+    ] = None,
 ) -> None:
     """Only its signature is used: the options of all that draws."""
 

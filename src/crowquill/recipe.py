@@ -12,7 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
 
-from crowquill import finishing, formats, inking, layout, plotting, styles
+from crowquill import finishing, formats, inking, layout, pasting, plotting, styles
 from crowquill.knobs import Choice, Flag, Knob, Text, checked, of, unknown
 from crowquill.sheet import Sheet
 from crowquill.vector import regular
@@ -44,7 +44,7 @@ class Recipe:
 
     paper, tone  the keywords of layout.placed and layout.lit
     knobs        of the style; `inks` of inking.steps; `finish` of finishing.finish
-    files        of the formats written, only those that were asked for
+    files        of the formats written and the sheets they are cut to, only those that were asked for
     plot         of finished() and of plotting.plotted, which count for plotters only
     """
 
@@ -98,7 +98,7 @@ class Recipe:
 def takes_of(table: str, style: str) -> dict[str, Knob]:
     """The knobs of a table of recipes for a style."""
     if table == "files":
-        return {key: knob for name in formats.names() for key, knob in formats.knobs(name).items()} | of(attached)
+        return {key: knob for name in formats.names() for key, knob in formats.knobs(name).items()} | of(attached) | of(pasting.cut)
     if table == "plot":
         return of(finished) | of(plotting.plotted)
     if table == "knobs":

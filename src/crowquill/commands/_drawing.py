@@ -58,6 +58,7 @@ def draw(
 
     said  notes for the end: a refusal is one line
     """
+    run.check_tiles(wanted.knobs.get("tiles"))
     with silence():
         page, tone, over = making.laid_out(wanted, paths)
     work = making.steps(named(wanted, paths), paths, page, tone, over)

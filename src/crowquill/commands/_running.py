@@ -7,17 +7,20 @@ import json
 import os
 import sys
 import time
-from collections.abc import Collection, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, BinaryIO, TypeVar
 
-from crowquill import formats, styles
+from crowquill import cluster, formats, kernel, pasting, styles, tiling
 from crowquill.commands import note, plain, say
 from crowquill.formats import _plates
+from crowquill.knobs import of
 from crowquill.sheet import Sheet, Shown, Step
 
 Found = TypeVar("Found")
+SET = {"embed", *of(pasting.cut)}  # settings of files that are no format's
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,10 @@ class Run:
     dry_run: bool
     plates: Path | None
     plates_as: str | None
+    workers: int | None = None
+    scheduler: str | None = None
+    work: Path | None = None
+    kept: list[Path] = field(default_factory=list)
     began: float = field(default_factory=time.perf_counter)
 
     @property
@@ -73,7 +80,7 @@ class Run:
             raise ValueError("--plates-as is for plates; add --plates DIR")
         modules = self.modules()
         told = [*self.out, *(_plates.targets(self.kind) if self.plates else [])]
-        formats.writers(Sheet((1, 1)), [(path, None) for path in told], {key: value for key, value in asked.items() if key != "embed"})
+        formats.writers(Sheet((1, 1)), [(path, None) for path in told], {key: value for key, value in asked.items() if key not in SET})
         for path, module in zip(self.out, modules, strict=True):
             if strokes and getattr(module, "STROKES", False):
                 raise ValueError(f"{path}: {strokes}")
@@ -82,20 +89,42 @@ class Run:
 
     def foresee(self, size: tuple[float, float], marks: int, files: Mapping[str, Any]) -> None:
         """Raises the error that writing a sheet of this size and number of marks would raise, where that is known before."""
-        formats.foresee(self.out, size, marks, self._taken(files))
+        cut = self._cut(size, files)
+        if cut:
+            formats.check([path for _, path in self._sheets(cut)], overwrite=self.overwrite)
+        formats.foresee(self.out, cut.paper if cut else size, marks, self._taken(files))
         if self.plates:
             _plates.foresee(size, kind=self.kind, values=files)
 
     def done(self, work: styles.Work) -> Sheet:
-        """The sheet of work run to its end, with a progress bar on a terminal."""
-        return styles.run(work) if self.quiet else watched(work)
+        """The sheet of work run to its end, with a progress bar on a terminal; tiles go to those who were asked for."""
+        try:
+            with tiling.hiring(tiling.Hands(self.workers or kernel.CORES, self.scheduler, self.work, self.kept)):
+                return styles.run(work) if self.quiet else watched(work)
+        except KeyboardInterrupt:
+            if any(path.exists() for path in self.kept):
+                note(f"what is done is kept in {self.work}; the same command goes on there")
+            raise
+
+    def check_tiles(self, tiles: str | None) -> None:
+        """Raises ValueError for options of tiles where nothing is drawn in tiles, and for a folder that cannot be worked in."""
+        typed = [name for name in ("workers", "scheduler", "work") if getattr(self, name) is not None]
+        if typed and tiles is None:
+            raise ValueError(f"--{typed[0]} is for drawings in tiles; add --tiles auto to stipple, or leave it out")
+        if self.workers is not None and self.scheduler is not None:
+            raise ValueError("--workers are processes here, and the scheduler has its own; leave one out")
+        if self.work is not None:
+            formats.check([self.work / "tiles.npz"])
+        if self.scheduler is not None:
+            with cluster.workers(self.scheduler, 1):  # answers, before any work
+                pass
 
     def write(self, sheet: Sheet, files: Mapping[str, Any], sources: Sequence[Path], said: Collection[str] = ()) -> int:
         """Writes all files of a sheet, or none, and says what came of it.
 
         files  knobs of formats by a recipe's table; said are notes beside the sheet's own
         """
-        plan = list(zip(self.out, formats.writers(sheet, [(path, None) for path in self.out], self._taken(files)), strict=True))
+        plan = self._plan(sheet, files)
         if self.plates:
             every = _plates.plan(sheet, self.plates, self.out[0].stem, kind=self.kind, values=files)
             formats.check([*self.out, *(path for path, _ in every)], overwrite=self.overwrite, sources=sources)
@@ -107,6 +136,8 @@ class Run:
         if self.report and to_file:
             plan.append((self.report, lambda file: file.write(f"{told.text()}\n".encode())))
         formats.replace_files(plan)
+        for path in self.kept:
+            path.unlink(missing_ok=True)
         for warning in warnings:
             note(warning)
         if self.report and not to_file:
@@ -114,6 +145,31 @@ class Run:
         elif not self.quiet:
             say(told.summary())
         return 0
+
+    def _plan(self, sheet: Sheet, files: Mapping[str, Any]) -> list[tuple[Path, Callable[[BinaryIO], object]]]:
+        """The files of a sheet, or of all that it is cut to, and what writes each: one sheet at a time is made when it is written."""
+        taken, cut = self._taken(files), self._cut(sheet.size, files)
+        if cut is None:
+            return list(zip(self.out, formats.writers(sheet, [(path, None) for path in self.out], taken), strict=True))
+
+        def written(place: pasting.Place, path: Path, file: BinaryIO) -> None:
+            formats.writers(cut.sheet(sheet, place), [(path, None)], taken)[0](file)
+
+        return [(path, partial(written, place, path)) for place, path in self._sheets(cut)]
+
+    def _sheets(self, cut: pasting.Cut) -> list[tuple[pasting.Place, Path]]:
+        """The place of each sheet and the path of each of its files."""
+        return [(place, path.with_stem(f"{path.stem}-{pasting.name(place)}")) for place in cut.places for path in self.out]
+
+    def _cut(self, size: tuple[float, float], files: Mapping[str, Any]) -> pasting.Cut | None:
+        """How a drawing is cut to sheets, if it is. Raises what pasting.cut raises, and ValueError for settings of no use."""
+        wish = {key: value for key, value in files.items() if key in of(pasting.cut) and value is not None}
+        cut = pasting.cut(size, **wish)
+        if cut is None and wish:
+            raise ValueError("sheet_overlap is given for no sheets; add sheets a4, or leave it out")
+        if cut and self.plates:
+            raise ValueError("plates are of one sheet each; leave out plates, or sheets")
+        return cut
 
     def _taken(self, files: Mapping[str, Any]) -> dict[str, Any]:
         """Those knobs that a format written takes."""

@@ -9,11 +9,11 @@ T. Strothotte, Floating Points, Eurographics 2000.
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 
-from crowquill import expense, relax
+from crowquill import expense, relax, tiling
 from crowquill.knobs import Choice, Range
 from crowquill.nibs import Dots, Glyphs, MaxDots, MinGap, Nibs, Pen, SizeBy, Sizes, White, inked
 from crowquill.sheet import Sheet, Step
@@ -42,6 +42,7 @@ def draw(
     white_rule: Annotated[str, Choice(("before", "after"), "never place dots on white, or remove them at the end")] = "before",
     min_gap: MinGap = 0.0,
     max_dots: MaxDots = 2_000_000,
+    tiles: tiling.Tiles = None,
 ) -> Work:
     """A sheet the tone's size with a layer of black dots for each nib; the centre of none on white or outside the canvas.
 
@@ -55,23 +56,33 @@ def draw(
     ink             the union of the dots covers what is asked up to 0.97, because the number of
                     dots makes up for their overlap; the report has `coverage_missing`
     min_gap         presses tones together to what dots so far apart can cover, so that tone still rises with tone
-    no ink          an empty sheet and a warning. Raises ValueError for more than max_dots, for more than memory holds, for a
-                    pen wider than the canvas, and for pen and sizes together
+    tiles           relax in these, on the workers of tiling.hiring: the same drawing, to parts of a nanometre before places
+                    are rounded to micrometres; of equal dots only
+    no ink          an empty sheet and a warning. Raises ValueError for more than max_dots, for more than
+                    memory holds, for a pen wider than the canvas, for pen and sizes together, and for tiles of dots that differ
     """
     clock = Clock()
     nibs = Nibs.of(pen, glyphs, sizes=sizes, size_by=size_by, dots=dots)
+    if tiles is not None:
+        tiling.asked(tiles, 0, tone.size)
+        if nibs.span[0] != nibs.span[1]:
+            raise ValueError("tiles are for dots of one size; leave out tiles, or sizes and size-by tone")
     plan = planned(tone, pen=nibs.pen, dots=dots, span=nibs.span, white=white, white_rule=white_rule, min_gap=min_gap, max_dots=max_dots)
-    needed = expense.relaxed(plan.dots, tone.shape)
+    needed = expense.relaxed(plan.dots, tone.shape, tiled=tiles is not None)
     yield Step("plan", 0, 1, {"dots": plan.dots, "pen_mm": plan.pen, "seconds": expected_seconds(plan.dots, iterations), "bytes": needed})
     expense.afford(needed, f"{plan.dots} dots on {tone.shape[1]} x {tone.shape[0]} pixels take", "draw fewer dots, or of a smaller picture")
     chance = rng.spawn(3)
-    state = yield from settled(
-        plan.demand, plan.dots, chance[0], clock, start=start, iterations=iterations, until=until, step=step,
-        exponent=exponent, banned=plan.white if white_rule == "before" else None,
-    )  # fmt: skip
+    how: dict[str, Any] = {"start": start, "iterations": iterations, "until": until, "step": step, "exponent": exponent}
+    told: dict[str, Any] = {}
+    if tiles is None:
+        banned = plan.white if white_rule == "before" else None
+        state = yield from settled(plan.demand, plan.dots, chance[0], clock, **how, banned=banned)
+    else:
+        state, told = yield from tiling.settled(plan.demand, plan.dots, chance[0], clock, **how, avoid=white_rule == "before", tiles=tiles)
     off = len(state.sites) != plan.dots
     said = [f"this start gave {len(state.sites)} dots in place of {plan.dots}; --start even gives any number"] if off else []
-    work = inked(state, plan, tone, nibs, chance[1:], clock, warnings=said)
+    said += told.pop("warnings", [])
+    work = inked(state, plan, tone, nibs, chance[1:], clock, warnings=said, **told)
     del state, plan
     sheet: Sheet = yield from work
     return sheet
