@@ -370,6 +370,34 @@ def test_the_keyboard_alone_draws(editor: Editor) -> None:
     assert np.hypot(*(xy.mean(axis=0) - (41, 50))).max() < 2  # mm: 11 right of the middle and 20 below
 
 
+def test_a_layer_gets_a_spot_ink_and_the_drawing_another_paper(editor: Editor) -> None:
+    before, page = editor.columns(), editor.page
+    editor.tab("Layers")
+    panel = page.get_by_role("tabpanel", name="Layers")
+    panel.get_by_role("radio").last.check()
+    panel.get_by_label("Ink", exact=True).select_option("spot")
+    panel.get_by_label("Spot name").fill("Gold")
+    panel.get_by_label("Spot name").press("Enter")
+    panel.get_by_role("button", name="Sepia").click()
+    panel.get_by_label("Cyan, per cent").fill("50")
+    panel.get_by_label("Magenta, per cent").fill("20")
+    panel.get_by_label("Magenta, per cent").press("Enter")
+    editor.rest()
+    layer = editor.state()["layers"][0]
+    assert (layer["ink"], layer["spot"], layer["cmyk"]) == ("Gold", True, [0.5, 0.2, 0.75, 0.45])
+    panel.get_by_text("Another paper", exact=True).click()
+    panel.get_by_role("combobox", name="Paper").fill("90x80mm")
+    panel.get_by_role("button", name="Put it on this paper").click()
+    editor.until("crowquill.desk.drawing.hello.value.size[0] === 90")
+    editor.rest()
+    assert "90 × 80 mm" in panel.inner_text()
+    assert np.abs(places(editor.columns()) - places(before) - (15, 10)).max() < 1e-9
+    editor.page.evaluate("crowquill.desk.ask({ do: 'undo', count: 5 })")
+    editor.until("crowquill.desk.drawing.hello.value.size[0] === 60")
+    editor.rest()
+    assert not changed(before, editor.columns()).any() and not editor.state()["layers"][0]["spot"]
+
+
 AXE = Path(__file__).resolve().parents[1] / "web" / "node_modules" / "axe-core" / "axe.min.js"
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
 REACHED = """() => [...document.querySelectorAll('#app button, #app input, #app select, #app summary, #surface')]

@@ -23,6 +23,8 @@ export function control(knob: Knob, value: KnobValue, change: (value: KnobValue)
 
 const WRITTEN: Record<string, string> = { pdfx: "PDF/X", pdfa: "PDF/A", icc: "ICC profile", dpi: "DPI" };
 
+const KNOWN: Record<string, string[]> = { paper: ["a4", "a5", "letter"] }; // names that are proposed, beside which others are right
+
 export function title(name: string): string {
   if (WRITTEN[name]) return WRITTEN[name];
   const words = name.replace(/_/g, " ");
@@ -98,7 +100,9 @@ function neat(value: number, whole: boolean): number {
 function words(knob: Knob, value: KnobValue, change: (value: KnobValue) => void): Control {
   const id = unique("knob");
   const several = knob.kind === "numbers";
-  const field = el("input", { type: "text", id, title: knob.help, spellcheck: "false", placeholder: knob.default === null ? "auto" : null });
+  const known = KNOWN[knob.name]?.map((text) => el("option", { value: text })) ?? [];
+  const list = known.length ? el("datalist", { id: unique("known") }, ...known) : null;
+  const field = el("input", { type: "text", id, title: knob.help, spellcheck: "false", placeholder: knob.default === null ? "auto" : null, list: list?.id });
   field.addEventListener("change", () => {
     const text = field.value.trim();
     const numbers = text.split(/[\s,;]+/).map(Number);
@@ -107,7 +111,7 @@ function words(knob: Knob, value: KnobValue, change: (value: KnobValue) => void)
     if (wrong) field.reportValidity();
     else change(text === "" ? knob.default : several ? numbers : text);
   });
-  return shown(labelled(knob, id, field), value, (now) => (field.value = now === null ? "" : Array.isArray(now) ? now.join(", ") : String(now)));
+  return shown(labelled(knob, id, field, list), value, (now) => (field.value = now === null ? "" : Array.isArray(now) ? now.join(", ") : String(now)));
 }
 
 // A choice among libraries with their shapes beneath, to take one of them alone.

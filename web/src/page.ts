@@ -55,12 +55,14 @@ export function begin(script: string, wire: Wire): void {
   mapShown(desk);
   showing(desk, tell);
   commands(desk, pointing(desk, overlay, new Status(desk)));
-  let name = "";
+  let shown = "";
+  desk.drawing.begun((hello) => (desk.tools.value = tools(desk, hello.operations)));
   desk.drawing.hello.on((hello) => {
     if (!hello) return;
-    if (name !== hello.name) desk.layer.value = desk.region.value = null; // of another drawing
-    name = hello.name;
-    desk.tools.value = tools(desk, hello.operations);
+    const now = JSON.stringify([hello.name, hello.size, hello.art]);
+    if (now !== shown) desk.region.value = null; // of another drawing, or another place
+    if (!shown.startsWith(JSON.stringify([hello.name]).slice(0, -1))) desk.layer.value = null;
+    shown = now;
     for (const note of hello.notes) messages.note(note);
   });
   link.lost.on((text) => messages.error(text));

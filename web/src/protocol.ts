@@ -23,7 +23,7 @@ export type Params = Record<string, KnobValue>;
 export interface Operation {
   name: string;
   help: string;
-  group: "brush" | "select" | "relax" | "layer" | "style" | "map";
+  group: "brush" | "select" | "relax" | "layer" | "style" | "map" | "paper";
   knobs: Knob[];
 }
 
@@ -46,6 +46,8 @@ export interface Layer {
   id: number;
   name: string;
   kind: "marks" | "objects" | "tiles" | "still";
+  ink: string;
+  spot: boolean;
   cmyk: [number, number, number, number];
   rgb: [number, number, number];
   pen: number | null;

@@ -11,9 +11,9 @@ const SHOWN = ["energy", "movement", "turning"];
 
 export function relaxPanel(desk: Desk): HTMLElement {
   const panel = el("div", { class: "panel" });
-  desk.drawing.hello.on((hello) => {
+  desk.drawing.begun((hello) => {
     const relax = desk.operation("relax");
-    const others = hello?.operations.filter((one) => one.group === "relax" && one !== relax) ?? [];
+    const others = hello.operations.filter((one) => one.group === "relax" && one !== relax);
     panel.replaceChildren(...(relax ? relaxation(desk, relax) : []), ...others.map((one) => mosaic(desk, one)));
   });
   return panel;

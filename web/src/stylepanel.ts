@@ -8,8 +8,8 @@ import type { Operation } from "./protocol";
 
 export function stylePanel(desk: Desk): HTMLElement {
   const panel = el("div", { class: "panel" });
-  desk.drawing.hello.on((hello) => {
-    const styles = hello?.operations.filter((one) => one.group === "style") ?? [];
+  desk.drawing.begun((hello) => {
+    const styles = hello.operations.filter((one) => one.group === "style");
     if (styles.length) panel.replaceChildren(...redrawing(desk, styles));
   });
   return panel;

@@ -15,7 +15,7 @@ export function toolPanel(desk: Desk): HTMLElement {
     if (!made.has(tool)) made.set(tool, about(desk, tool));
     head.replaceChildren(made.get(tool)!);
   });
-  desk.drawing.hello.on((hello) => hello && chosen.replaceChildren(...selection(desk)));
+  desk.drawing.begun(() => chosen.replaceChildren(...selection(desk)));
   return el("div", { class: "panel" }, head, chosen);
 }
 

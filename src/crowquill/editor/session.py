@@ -172,6 +172,8 @@ def same(a: Drawing, b: Drawing) -> bool:
     """Whether two drawings are one in all that can be edited."""
     if a.tone is not b.tone or a.wish is not b.wish or a.wall is not b.wall or len(a.layers) != len(b.layers):
         return False
+    if (a.size, a.margin) != (b.size, b.margin) or (a.picture.corner != b.picture.corner).any() or a.picture.size != b.picture.size:
+        return False
     return all(one is other or _alike(one, other) for one, other in zip(a.layers, b.layers, strict=True))
 
 

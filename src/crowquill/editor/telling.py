@@ -34,9 +34,8 @@ ARROWS = 60  # of the flow, to the longer side
 Json = dict[str, Any]
 
 
-def hello(session: Session) -> Json:
-    """What a page has to know of a session, once."""
-    drawing = session.drawing
+def hello(session: Session, drawing: Drawing, notes: tuple[str, ...]) -> Json:
+    """What a page has to know of a session whose drawing this is, once, and when that has another paper."""
     picture = drawing.picture
     return {
         "say": "hello",
@@ -50,7 +49,7 @@ def hello(session: Session) -> Json:
         "operations": operations(),
         "formats": {name: [knob(one) for one in formats.knobs(name).values()] for name in formats.names()},
         "limits": {"marks": MOST, "path": LONGEST // 3, "frame": FRAME},
-        "notes": list(session.notes),
+        "notes": list(notes),
     }
 
 
@@ -116,6 +115,8 @@ def _layer(layer: Layer, kinds: tuple[Kind, ...]) -> Json:
         "id": layer.id,
         "name": layer.name or ink.name,
         "kind": sort,
+        "ink": ink.name,
+        "spot": ink.spot,
         "cmyk": list(ink.cmyk),
         "rgb": list(ink.rgb),
         "pen": ink.pen,
