@@ -35,6 +35,8 @@ class Hub:
         self._thread = ThreadPoolExecutor(1, "drawing")
         self._group = session.history.last_number
         self._unsaved = 0
+        self._keeper = ThreadPoolExecutor(1, "states")
+        self._lacking = False
 
     @property
     def busy(self) -> telling.Json | None:
@@ -65,6 +67,7 @@ class Hub:
                 await page.socket.send_text(json.dumps({"say": "closed", "text": text}))
                 await page.socket.close(1001)
         await asyncio.to_thread(self._thread.shutdown, cancel_futures=True)
+        await asyncio.to_thread(self._keeper.shutdown)
 
     async def serve(self, page: Page) -> None:
         """Serves a page until it goes. What is played ends with the last page."""
@@ -203,13 +206,23 @@ class Hub:
 
     async def write(self) -> None:
         """Writes down what waits, and tells when that does not go, or goes again."""
-        journal = self.session.journal
-        await self.work(journal.write)
+        session = self.session
+        journal, keep = session.journal, await self.work(session.write)
+        if keep:
+            asyncio.get_running_loop().run_in_executor(self._keeper, self._kept, keep, asyncio.get_running_loop())
         if journal.waiting != self._unsaved:
             self._unsaved = journal.waiting
             why = f"edits are not written down ({journal.error}); free some space"
             text = why if journal.waiting else "all edits are written down"
             self.tell({"say": "saved", "ok": not journal.waiting, "waiting": journal.waiting, "text": text})
+
+    def _kept(self, keep: Callable[[], str], loop: asyncio.AbstractEventLoop) -> None:
+        """Keeps a state, in a thread beside; where that fails it is said, once until it goes again."""
+        why = keep()
+        if why and not self._lacking:
+            text = f"the state could not be kept beside the log ({why}): opening it again takes longer; nothing is lost"
+            loop.call_soon_threadsafe(self.tell, {"say": "error", "n": None, "text": text})
+        self._lacking = bool(why)
 
     async def _save(self) -> None:
         """Tries again and again to write what waits."""
