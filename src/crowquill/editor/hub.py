@@ -73,6 +73,8 @@ class Hub:
         """Serves a page until it goes. What is played ends with the last page."""
         self.pages.add(page)
         self._tell_tabs()
+        if self._unsaved:
+            page.say(telling.saved(self.session.journal))
         tasks = {asyncio.create_task(page.follow(self)), asyncio.create_task(self._listen(page))}
         try:
             await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
@@ -212,9 +214,7 @@ class Hub:
             asyncio.get_running_loop().run_in_executor(self._keeper, self._kept, keep, asyncio.get_running_loop())
         if journal.waiting != self._unsaved:
             self._unsaved = journal.waiting
-            why = f"edits are not written down ({journal.error}); free some space"
-            text = why if journal.waiting else "all edits are written down"
-            self.tell({"say": "saved", "ok": not journal.waiting, "waiting": journal.waiting, "text": text})
+            self.tell(telling.saved(journal))
 
     def _kept(self, keep: Callable[[], str], loop: asyncio.AbstractEventLoop) -> None:
         """Keeps a state, in a thread beside; where that fails it is said, once until it goes again."""

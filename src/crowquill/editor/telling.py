@@ -17,6 +17,7 @@ from crowquill.editor.brushes import MOST as LONGEST
 from crowquill.editor.drawing import Drawing, Layer
 from crowquill.editor.fields import flow
 from crowquill.editor.items import Items, Kind
+from crowquill.editor.log import Journal
 from crowquill.editor.operations import MOST, Operation, every
 from crowquill.editor.operations.marking import library
 from crowquill.editor.session import Session
@@ -160,6 +161,13 @@ def _arrows(drawing: Drawing) -> Paths:
 def step(n: Any, done: int, total: int, stage: str, facts: Mapping[str, float]) -> Json:
     """A step of work under way."""
     return {"say": "step", "n": n, "done": done, "total": total, "stage": stage, "facts": finite(facts)}
+
+
+def saved(journal: Journal) -> Json:
+    """Whether all entries are on the disk, and why not."""
+    why = f"edits are not written down ({journal.error}); free some space"
+    text = why if journal.waiting else "all edits are written down"
+    return {"say": "saved", "ok": not journal.waiting, "waiting": journal.waiting, "text": text}
 
 
 def finite(facts: Mapping[str, float]) -> Json:
