@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import os
+import time
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -11,11 +13,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-from browser import Array, Editor, browsing, log_of, serving
+from browser import PATIENCE, Array, Editor, browsing, log_of, serving
 from PIL import Image
 from playwright.sync_api import Browser, Error, Locator
 from rendering import Window, dots, pdfium
 from scipy.spatial import cKDTree
+
+from crowquill import Ink, Layer, Sheet, glyphs, save
+from crowquill.marks import Marks
+from crowquill.sheet import Bitmap
 
 PAPER = "60x60mm"
 FREE = Window(4, 2, 38, 12)  # mm: white paper above the picture, which lies from 15 to 45 both ways
@@ -396,6 +402,34 @@ def test_a_layer_gets_a_spot_ink_and_the_drawing_another_paper(editor: Editor) -
     editor.until("crowquill.desk.drawing.hello.value.size[0] === 60")
     editor.rest()
     assert not changed(before, editor.columns()).any() and not editor.state()["layers"][0]["spot"]
+
+
+def colour(editor: Editor, x: float, y: float) -> tuple[int, ...]:
+    """The colour on the screen at a place of the paper, mm."""
+    left, top = editor.screen(x, y)
+    shot = editor.page.screenshot(clip={"x": left, "y": top, "width": 1, "height": 1})
+    with Image.open(io.BytesIO(shot)) as image:
+        return image.convert("RGB").getpixel((0, 0))  # type: ignore[return-value]
+
+
+def test_layers_that_are_not_edited_are_seen_in_their_true_order(browser: Browser, tmp_path: Path) -> None:
+    disc = Marks.of([[30.0, 30.0], [5.0, 5.0]], glyphs.load("disc").glyphs, scale=8.0)
+    red, green = Ink("red", (0.0, 1.0, 1.0, 0.0)), Ink("green", (1.0, 0.0, 1.0, 0.0))
+    below, above = (Bitmap.of(np.ones((n, n)), 254, (30 - n / 20, 30 - n / 20)) for n in (140, 20))  # 14 and 2 mm, about the disc of 9
+    save(Sheet((60, 60), (Layer(green, below), Layer(Ink(), disc), Layer(red, above))), tmp_path / "still.svg")
+    with serving(tmp_path / "still.svg") as address:
+        editor = Editor(browser, address)
+        assert [layer["kind"] for layer in editor.state()["layers"]] == ["still", "marks", "still"]
+        end = time.monotonic() + PATIENCE
+        while colour(editor, 30, 30) != (255, 0, 0) and time.monotonic() < end:
+            editor.page.wait_for_timeout(100)  # images come beside the drawing's state
+        places = ((30, 30), (33, 30), (36.5, 30), (50, 50))
+        assert [colour(editor, *place) for place in places] == [(255, 0, 0), (0, 0, 0), (0, 255, 0), (255, 255, 255)]
+        editor.apply("layer order", layer=2, to=2)
+        assert [colour(editor, *place) for place in places] == [(0, 0, 0), (0, 0, 0), (0, 255, 0), (255, 255, 255)]
+        editor.apply("layer edit", layer=1, hidden=True)
+        assert colour(editor, 36.5, 30) == (255, 255, 255)
+        editor.page.close()
 
 
 AXE = Path(__file__).resolve().parents[1] / "web" / "node_modules" / "axe-core" / "axe.min.js"

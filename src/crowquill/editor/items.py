@@ -217,7 +217,7 @@ def colours(rgb: npt.ArrayLike) -> Columns:
 
 def _set(column: Columns, rows: Index | Mask | slice, values: Columns, may: Mask | None) -> Columns:
     found = column.copy()
-    if may is not None:
+    if may is not None and not may.all():
         free = may[rows]
         values = np.where(free[:, None] if values.ndim == 2 else free, values, found[rows])
     found[rows] = values

@@ -121,6 +121,9 @@ class _Crowd:
 
         Whoever finds cells that reach less than half as far has what decides them.
         """
+        if 2 * int(self.active.sum()) >= len(self.xy):
+            yield np.flatnonzero(self.active if (self.weight > 0).all() else self.tone.holds(self.xy)), self.tone.canvas, np.inf
+            return
         moving = self.xy[self.active]
         low, high = moving.min(axis=0), moving.max(axis=0)
         margin = AROUND * self.spacing
@@ -137,7 +140,8 @@ class _Crowd:
         """The items by their layers, those that move as far towards their targets (m, 2) and angles (m,) as their weights say."""
         moving = np.flatnonzero(self.active)
         share = self.weight[moving]
-        xy = self.xy[moving] + share[:, None] * (target - self.xy[moving]) + self.corner
+        xy = target if (share == 1).all() else self.xy[moving] + share[:, None] * (target - self.xy[moving])
+        xy = xy + self.corner
         now = self.column("angle", moving)
         turned = None if angle is None else now + share * (angle - now)
         by, first = {}, 0
@@ -156,7 +160,10 @@ def _dots(crowd: _Crowd, step: float) -> tuple[Array, None, Facts]:
         mine = crowd.active[rows]
         if margin == np.inf or 2 * _reach(state.cells.rings, state.cells.owner, state.cells.sites, mine) < margin:
             break
-    target = dots.moved(state, crowd.tone, step=step)[mine]
+    target = dots.moved(state, crowd.tone, step=step)
+    if mine.all():
+        return target, None, {"energy": state.energy, "movement": state.movement}
+    target = target[mine]
     way = (state.moments.centroid - state.sites)[mine]
     spread = np.trace(state.moments.covariance[mine], axis1=1, axis2=2) + (way**2).sum(axis=1)
     area = np.bincount(state.cells.owner, state.cells.rings.areas, len(rows))[mine]
