@@ -35,7 +35,7 @@ Ask = Callable[..., Any]
 COUNT = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
 PAPER, MARGIN = (210.0, 297.0), 15.0  # mm
 ZOOMS = (1.0, 2.0, 6.0, 20.0)  # times the whole paper
-BRUSHES = {"insert": "b", "erase": "e", "push": "p", "jitter": "j", "resize": "s", "relax": "r"}
+BRUSHES = {"insert": "b", "erase": "e", "push": "p", "jitter": "j", "resize": "s", "relax": "r", "relax objects": "r"}
 DABS = 15
 TIMES = 5  # steps of relaxation
 STEPS = """async (times) => {
@@ -103,7 +103,7 @@ def main() -> None:
             editor.page.evaluate("crowquill.desk.viewport.all()")
             editor.page.evaluate(WATCH)
             for row, (name, key) in enumerate(BRUSHES.items()):
-                delays = dabs(editor, key, 40.0 + 35 * row)
+                delays = dabs(editor, key, 40.0 + 32 * row, "objects" if "objects" in name else "uniform")
                 print(f"{name} to the screen: {delays[0]:.0f} ms at least, median {delays[len(delays) // 2]:.0f}, worst {delays[-1]:.0f}")
             xy = editor.xy()
         with serving(file) as address, looking(address) as ask:
@@ -160,9 +160,9 @@ def steps(ask: Ask, xy: Array) -> tuple[float, float]:
     return 1000 * min(shown), 1000 * min(bare)
 
 
-def dabs(editor: Editor, key: str, y: float) -> list[float]:
+def dabs(editor: Editor, key: str, y: float, variant: str) -> list[float]:
     """How long each of some dabs took to be seen, ms, the least first; the first two, which compile, are left out."""
-    editor.take(key, size=5.0, variant="uniform")  # without a picture there is no tone to weigh by; other brushes know no variant
+    editor.take(key, size=5.0, variant=variant)  # without a picture there is no tone to weigh by; other brushes know no variant
     editor.page.evaluate("delays.length = 0")
     for k in range(DABS + 2):
         x = 25 + 9 * k

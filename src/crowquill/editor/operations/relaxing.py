@@ -11,6 +11,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import shapely
+from scipy.spatial import cKDTree
 
 from crowquill import relax as dots
 from crowquill import settling
@@ -27,7 +28,7 @@ from crowquill.tone import Tone
 
 VARIANTS = ("uniform", "weighted", "objects", "move", "turn", "mosaic")
 STEP = 1.8  # of dots; objects, whose regions depend on their turn, swing with more than 1
-AROUND = 4.0  # spacings: how far around what moves others are looked at first
+AROUND = 3.0  # spacings: how far around what moves others are looked at first
 
 Facts = dict[str, float]
 
@@ -126,9 +127,10 @@ class _Crowd:
             return
         moving = self.xy[self.active]
         low, high = moving.min(axis=0), moving.max(axis=0)
-        margin = AROUND * self.spacing
+        margin, tree = AROUND * self.spacing, cKDTree(moving)
         while True:
             near = np.flatnonzero(((self.xy >= low - margin) & (self.xy <= high + margin)).all(axis=1))
+            near = near[tree.query(self.xy[near], distance_upper_bound=margin)[0] < margin]
             if 2 * len(near) >= len(self.xy):
                 yield np.flatnonzero(self.tone.holds(self.xy)), self.tone.canvas, np.inf
                 return
