@@ -201,17 +201,34 @@ def test_steps_of_every_variant_do_what_they_are_called(editor: Editor) -> None:
 def test_play_goes_on_until_it_is_stopped_and_can_be_undone_whole(editor: Editor) -> None:
     before = editor.columns()
     relaxing(editor).select_option("uniform")
-    editor.page.get_by_role("button", name="Play").click()
+    panel = editor.page.get_by_role("tabpanel", name="Relax")
+    panel.get_by_role("button", name="Play").click()
     editor.until("crowquill.desk.drawing.state.value.busy !== null")
-    editor.page.get_by_role("button", name="Pause").click()
+    panel.get_by_role("button", name="Pause").click()
     editor.until("crowquill.desk.drawing.state.value.busy?.paused === true")
-    editor.page.get_by_role("button", name="Go on").click()
+    panel.get_by_role("button", name="Go on").click()
     editor.until("crowquill.desk.drawing.state.value.busy?.paused === false")
-    editor.page.get_by_role("button", name="Stop", exact=True).click()
+    panel.get_by_role("button", name="Stop", exact=True).click()
     editor.rest()
     assert changed(before, editor.columns()).any()
     editor.press("Control+z")
     assert not changed(before, editor.columns()).any()
+
+
+def test_long_work_is_shown_and_paused_and_cancelled_while_the_drawing_is_looked_at_and_written(editor: Editor, picture: Path) -> None:
+    before, count = editor.columns(), len(log_of(picture))
+    bar = editor.page.locator("#work")
+    editor.page.evaluate("void crowquill.desk.apply('redraw stipple', { dots: 20000, iterations: 100000 })")
+    bar.wait_for(state="visible")
+    editor.until("/^Stipple: relax [0-9]+ of 100000$/.test(document.querySelector('#work span').textContent)")
+    assert bar.get_by_role("progressbar").get_attribute("value") is not None
+    bar.get_by_role("button", name="Pause").click()
+    bar.get_by_role("button", name="Go on").wait_for()
+    assert exported(editor, picture, "meanwhile")["svg"]  # and nothing of it is waited for
+    bar.get_by_role("button", name="Cancel").click()
+    bar.wait_for(state="hidden")
+    editor.rest()
+    assert not changed(before, editor.columns()).any() and len(log_of(picture)) == count
 
 
 def test_fifty_undone_and_done_again_give_the_same_bytes(editor: Editor, picture: Path) -> None:

@@ -10,6 +10,7 @@ export interface Control {
 
 const STEPS = 1000; // of a slider
 const WIDE = 15; // a range over its usual number from which a slider is finer about 0
+const LARGE = 1e5; // numbers up to this fit into a short field
 const LONG = 100; // mm at a slider's end; longer ones are typed in
 
 // A labelled control for a knob; `change` is called with every value that is right. Nothing typed in means the knob's own default.
@@ -56,7 +57,7 @@ function range(knob: Knob, value: KnobValue, change: (value: KnobValue) => void)
   const [low, high] = [knob.low ?? 0, knob.high ?? 1];
   const scale = sliding(low, high, typeof knob.default === "number" ? knob.default : null, knob.unit);
   const step = knob.whole ? 1 : "any";
-  const number = el("input", { type: "number", id, min: low, max: high, step, title: knob.help, placeholder: knob.default === null ? "auto" : null });
+  const number = el("input", { type: "number", id, class: high >= LARGE ? "long" : null, min: low, max: high, step, title: knob.help, placeholder: knob.default === null ? "auto" : null });
   const slider = el("input", { type: "range", min: 0, max: STEPS, tabindex: -1, "aria-hidden": "true", title: knob.help });
   const say = (now: number): void => {
     number.setCustomValidity("");

@@ -25,6 +25,7 @@ import { Viewport } from "./viewport";
 import { viewPanel } from "./viewpanel";
 import { Watched } from "./watch";
 import type { Wire } from "./wire";
+import { work } from "./work";
 
 // Begins the page, with the address of its own script and its wire to the server.
 export function begin(script: string, wire: Wire): void {
@@ -54,6 +55,7 @@ export function begin(script: string, wire: Wire): void {
   desk.tool.on(() => show("Tool"));
   mapShown(desk);
   showing(desk, tell);
+  work(desk);
   commands(desk, pointing(desk, overlay, new Status(desk)));
   let shown = "";
   desk.drawing.begun((hello) => (desk.tools.value = tools(desk, hello.operations)));

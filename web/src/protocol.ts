@@ -70,6 +70,7 @@ export interface Busy {
   n: number;
   op: string;
   paused: boolean;
+  single: boolean; // of which nothing stays if it is stopped
 }
 
 export interface State {

@@ -31,6 +31,7 @@ class Page:
     def __init__(self, socket: WebSocket) -> None:
         self.socket = socket
         self.open = 0
+        self.changes = 0  # of these, those that wait and are to change something
         self.groups: dict[int, int] = {}
         self._session: Session | None = None
         self._shown: Drawing | None = None
