@@ -278,6 +278,11 @@ def test_preflight_says_in_the_dialog_what_it_finds(editor: Editor, picture: Pat
     dialog.get_by_role("button", name="Export").click()
     dialog.get_by_role("button", name="Preflight").first.click()
     dialog.locator(".findings li, p:text('press')").first.wait_for()
+    dialog.get_by_role("button", name="Export").click()
+    dialog.locator("p.error").wait_for()  # it is there already
+    dialog.get_by_label("Replace files that are there").check()
+    dialog.get_by_role("button", name="Export").click()
+    dialog.get_by_text("is written").nth(1).wait_for()
     dialog.get_by_label("Name").fill("../outside")
     dialog.get_by_role("button", name="Export").click()
     dialog.locator("p.error").wait_for()
