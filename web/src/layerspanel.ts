@@ -27,6 +27,7 @@ export function layersPanel(desk: Desk): HTMLElement {
     const layer = state.layers.find((one) => one.id === desk.layer.value);
     if (typing()) told = ""; // once that ends
     else refill(edit, layer ? editing(desk, layer, state.selected) : []);
+    edit.hidden = !layer;
     if (focused) list.querySelector<HTMLElement>(`[data-focus="${focused}"]`)?.focus();
   };
   edit.addEventListener("focusout", () => setTimeout(() => edit.matches(":active") || show())); // not under a finger: its click would be lost

@@ -185,9 +185,9 @@ e layer worked on"}),n=m("input",{type:"radio",name:"layer",id:x("layer"),checke
 drawing.state.value;if(!c)return;r.layer.value!==null&&!c.layers.some(p=>p.id===r.layer.value)&&(r.layer.value=null);let u=JSON.stringify([c.
 layers,r.layer.value,c.selected>0]);if(u===o)return;o=u;let h=document.activeElement instanceof HTMLElement?document.activeElement.dataset.focus:
 void 0;n.checked=r.layer.value===null,e.replaceChildren(...c.layers.map((p,f)=>Kn(r,p,f,c.layers.length)).reverse());let d=c.layers.find(p=>p.
-id===r.layer.value);s()?o="":Nn(t,d?Un(r,d,c.selected):[]),h&&e.querySelector(`[data-focus="${h}"]`)?.focus()};t.addEventListener("focusout",
-()=>setTimeout(()=>t.matches(":active")||a())),r.drawing.state.on(a),r.layer.on(a);let l=m("div",{class:"layer layer-all"},n,m("label",{for:n.
-id},"Work on all layers"),i);return m("div",{class:"panel"},m("h2",{},"Layers"),l,e,t,ct(r))}function Nn(r,e){let t=()=>[...r.querySelectorAll(
+id===r.layer.value);s()?o="":Nn(t,d?Un(r,d,c.selected):[]),t.hidden=!d,h&&e.querySelector(`[data-focus="${h}"]`)?.focus()};t.addEventListener(
+"focusout",()=>setTimeout(()=>t.matches(":active")||a())),r.drawing.state.on(a),r.layer.on(a);let l=m("div",{class:"layer layer-all"},n,m("l\
+abel",{for:n.id},"Work on all layers"),i);return m("div",{class:"panel"},m("h2",{},"Layers"),l,e,t,ct(r))}function Nn(r,e){let t=()=>[...r.querySelectorAll(
 "input, select, button")],n=t().indexOf(document.activeElement);r.replaceChildren(...e),t()[n]?.focus()}function X(r,e,t){r.apply("layer edi\
 t",{layer:e.id,...t})}function Kn(r,e,t,n){let i=x("layer"),o=u=>({"data-focus":`${e.id} ${u}`}),s=m("input",{type:"radio",name:"layer",id:i,
 checked:r.layer.value===e.id,change:()=>r.layer.value=e.id,...o("radio")}),a=m("span",{class:"swatch"});a.style.background=`rgb(${e.rgb.join(
