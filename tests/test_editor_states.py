@@ -219,8 +219,11 @@ def test_states_are_few_and_small_and_those_long_ago_lie_farther_apart(monkeypat
 def test_a_log_begun_anew_has_no_states_and_a_log_of_nothing_leaves_none():
     worked(WORK[:2]).journal.close()
     Path("ramp.png.edits").unlink()
+    other = Path("ramp.png.edits.states/mine.txt")
+    other.write_text("mine")
     found = opened()
-    assert kept() == [] and len(found.history.entries) == 0
+    assert kept() == [] and len(found.history.entries) == 0 and other.read_text() == "mine"
+    other.unlink()
     found.close()
     assert sorted(path.name for path in Path().iterdir()) == ["ramp.png"]
 

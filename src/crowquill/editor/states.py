@@ -8,7 +8,6 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
-import shutil
 import threading
 from collections.abc import Sequence
 from dataclasses import replace
@@ -72,9 +71,11 @@ class States:
         return ""
 
     def clear(self) -> None:
-        """Removes all of them."""
-        with self._lock:
-            shutil.rmtree(self.folder, ignore_errors=True)
+        """Removes all of them, and their folder where nothing else is in it."""
+        with self._lock, contextlib.suppress(OSError):
+            for count in self._counts():
+                self._path(count).unlink(missing_ok=True)
+            self.folder.rmdir()
 
     def _counts(self) -> list[int]:
         """After how many entries there are states."""
