@@ -224,6 +224,7 @@ def test_long_work_is_shown_and_paused_and_cancelled_while_the_drawing_is_looked
     assert bar.get_by_role("progressbar").get_attribute("value") is not None
     bar.get_by_role("button", name="Pause").click()
     bar.get_by_role("button", name="Go on").wait_for()
+    assert violations(editor) == []
     assert exported(editor, picture, "meanwhile")["svg"]  # and nothing of it is waited for
     bar.get_by_role("button", name="Cancel").click()
     bar.wait_for(state="hidden")

@@ -25,10 +25,11 @@ from crowquill.editor.drawing import Drawing, sheet_of
 from crowquill.editor.drawing import Layer as Edited
 from crowquill.editor.items import Items
 from crowquill.editor.log import Entry
+from crowquill.editor.opening import Header
 from crowquill.editor.packing import packed, parts, unpacked
 from crowquill.editor.session import Session, replayed
 from crowquill.lettering import Words
-from crowquill.recipe import Recipe
+from crowquill.recipe import Recipe, Source
 from crowquill.sheet import Art, Bitmap, Ink, Layer
 
 WORK: list[tuple[str, dict[str, Any]]] = [
@@ -213,6 +214,20 @@ def test_states_are_few_and_small_and_those_long_ago_lie_farther_apart(monkeypat
     made.states.clear()
     assert made.states.keep(made.history.entries, made.drawing) == "" and kept() == []  # too large a one is none
     made.journal.close()
+
+
+def test_only_new_entries_are_read_for_a_state_and_another_entry_is_another_log(tmp_path, monkeypatch):
+    read: list[str] = []
+    real = Entry.data
+    monkeypatch.setattr(Entry, "data", lambda entry: read.append(entry.op) or real(entry))
+    of = states.States(tmp_path / "a.edits", Header(Source("a.png", "00")), drawing())
+    entries = [Entry(name) for name in "abcdef"]
+    whole, part = of._digest(entries), of._digest(entries[:3])
+    assert read == list("abcdef")
+    fresh = states.States(tmp_path / "a.edits", Header(Source("a.png", "00")), drawing())
+    assert (fresh._digest(entries[:3]), fresh._digest(entries)) == (part, whole)
+    other = of._digest([*entries[:3], Entry("x"), *entries[4:]])
+    assert other != whole and of._digest(entries) == whole and of._digest([]) == fresh._digest([]) != part
 
 
 @pytest.mark.usefixtures("desk")

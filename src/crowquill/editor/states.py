@@ -36,8 +36,9 @@ class States:
     def __init__(self, path: Path, header: Header, begun: Drawing) -> None:
         """Those of a log at a path, which begins with a header and a drawing."""
         self.folder = path.with_name(path.name + FOLDER)
-        self._header = header
         self._begun = begun
+        self._first = hashlib.sha256(log.line(header.data())).digest()
+        self._digests: list[tuple[Entry, bytes]] = []
         self._lock = threading.Lock()
 
     @cached_property
@@ -87,10 +88,19 @@ class States:
 
     def _told(self, entries: Sequence[Entry]) -> dict[str, Any]:
         """What the first line says of the state after all these entries: whose it is."""
-        lines = hashlib.sha256(log.line(self._header.data()))
-        for entry in entries:
-            lines.update(log.line(entry.data()))
-        return {"crowquill": "state", "schema": SCHEMA, "version": version("crowquill"), "entries": len(entries), "log": lines.hexdigest()}
+        lines = self._digest(entries).hex()
+        return {"crowquill": "state", "schema": SCHEMA, "version": version("crowquill"), "entries": len(entries), "log": lines}
+
+    def _digest(self, entries: Sequence[Entry]) -> bytes:
+        """The digest of the header and these entries: of each entry and the digest before it, so that only what is new is read."""
+        known = self._digests
+        same = next((k for k, (one, entry) in enumerate(zip(known, entries, strict=False)) if one[0] is not entry), len(known))
+        if same < len(entries):
+            del known[same:]
+            for entry in entries[same:]:
+                before = known[-1][1] if known else self._first
+                known.append((entry, hashlib.sha256(before + log.line(entry.data())).digest()))
+        return known[len(entries) - 1][1] if entries else self._first
 
     def _read(self, count: int, entries: Sequence[Entry]) -> Drawing:
         """A state. ValueError for one that is damaged, or not of these entries, OSError where it cannot be read."""
