@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 import zlib
 from collections.abc import Callable
 from dataclasses import replace
@@ -17,7 +18,7 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 import shapely
-from editing import Page, digest, drawing, picture, serving, way
+from editing import PATIENCE, Page, digest, drawing, picture, serving, way
 
 from crowquill import formats
 from crowquill.editor import packing, session, states
@@ -269,8 +270,9 @@ def test_a_full_disk_while_a_state_is_kept_is_said_once_and_loses_nothing(monkey
             patch.setattr(states, "replace_files", full)
             for k, (op, params) in enumerate(WORK[:3]):
                 assert page.apply(op, **params)["say"] == "done"
-                while len(tries) <= k:
-                    page.ask("files")
+                end = time.monotonic() + PATIENCE
+                while len(tries) <= k and time.monotonic() < end:
+                    time.sleep(0.01)
             while not (errors := [one for one in page.said if one["say"] == "error"]):
                 page.hear()
         assert [one["n"] for one in errors] == [None] and "(no space left on device)" in errors[0]["text"]
@@ -289,8 +291,9 @@ def test_a_killed_server_comes_back_by_its_states(monkeypatch):
         page = Page.at(type("At", (), {"address": address}))
         for op, params in WORK[:4]:
             assert page.apply(op, **params)["say"] == "done"
-        while kept() != [1, 2, 3, 4]:
-            page.apply("jitter", path=way((1, 1)), size=1)  # changes nothing, and takes its time
+        end = time.monotonic() + PATIENCE
+        while kept() != [1, 2, 3, 4] and time.monotonic() < end:
+            time.sleep(0.01)
         run.send_signal(signal.SIGKILL)
     done = counted(monkeypatch)
     found = opened()

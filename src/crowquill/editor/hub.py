@@ -36,7 +36,8 @@ class Hub:
         self._thread = ThreadPoolExecutor(1, "drawing")
         self._group = session.history.last_number
         self._unsaved = 0
-        self._beside = ThreadPoolExecutor(2, "beside")
+        self._beside = ThreadPoolExecutor(1, "reading")
+        self._keeper = ThreadPoolExecutor(1, "states")  # one after the other, as each says which are of what was undone
         self._tasks: set[asyncio.Task[None]] = set()
         self._lacking = False
 
@@ -73,6 +74,7 @@ class Hub:
                 await page.socket.close(1001)
         await asyncio.to_thread(self._thread.shutdown, cancel_futures=True)
         await asyncio.to_thread(self._beside.shutdown, cancel_futures=True)
+        await asyncio.to_thread(self._keeper.shutdown)
 
     async def serve(self, page: Page) -> None:
         """Serves a page until it goes. What is played ends with the last page."""
@@ -229,7 +231,7 @@ class Hub:
         session = self.session
         journal, keep = session.journal, await self.work(session.write)
         if keep:
-            asyncio.get_running_loop().run_in_executor(self._beside, self._kept, keep, asyncio.get_running_loop())
+            asyncio.get_running_loop().run_in_executor(self._keeper, self._kept, keep, asyncio.get_running_loop())
         if journal.waiting != self._unsaved:
             self._unsaved = journal.waiting
             self.tell(telling.saved(journal))
