@@ -118,7 +118,7 @@ def plates(d: float, program: str) -> None:
         a4 = ("--fit", "stretch", "--margin", "10mm", "--tone", "grey", "--quiet", "--report", f"{folder}/report.json")
         taken, memory = process(program, "stipple", picture, *out, *a4, folder=folder, fresh=False)
         marks = int(Path(f"{folder}/report.json").read_text().split('"marks": ')[1].split(",")[0])
-        row(f"A4 plate, 0.3 mm pen, {marks} dots, 30 iterations, PDF and SVG, warm", (taken, taken, 0.0), d, "bar 60 D")
+        row(f"A4 plate, 0.3 mm pen, {marks} dots, PDF and SVG, warm", (taken, taken, 0.0), d, "bar 60 D")
         print(f"{'':<66} {memory:8.0f} MB, bar 1500")
         written(d, f"{folder}/plate.svg", folder)
         specimen = str(Path(__file__).parent.parent / "gallery" / "specimen.png")

@@ -1,7 +1,7 @@
 """The specimen as a stipple drawing, twice with the same number of dots: the published method, and crowquill's own way.
 
 Left: dots start on a halftone's grid, cells weigh coverage, and the dots on white go at the end.
-Right: dots start at equal shares of ink, cells weigh coverage squared, and no dot ever lies on white.
+Right: dots start where the ink is, cells weigh coverage squared, and no dot ever lies on white.
 Size on paper: 180 x 99 mm, two panels of 80 x 87 mm, dots of 0.4 mm.
 Source: A. Secord, Weighted Voronoi Stippling, NPAR 2002; specimen.png is rendered by tools/specimen.py.
 """

@@ -22,15 +22,16 @@ knobs
 paths
 heap
 hilbert halftone exact vector picture lettering marks hatching
-regular
+regular mending
+circles
 light delaunay frontier
 tone tracing sheet curves
 cells glyphs raster forme scale plotforms greydots printable inks
-trimming plots
+trimming plots strips
 moments measure field layout contact grid separation
 spectrum quadrature texture likeness inertia tiles
 spacing objects parting tesserae
-settling shapes
+settling shapes refining
 relax route
 capacity splitting
 stippling screening laying inkdots exemplar

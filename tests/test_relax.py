@@ -301,3 +301,29 @@ def test_a_halftone_start_lies_on_a_square_grid(how: str) -> None:
     assert pitch[0] == pytest.approx(pitch[1], rel=0.02)  # mm: columns and rows are whole numbers, here about 60 by 40 and more
     place = sites / pitch - 0.5
     np.testing.assert_allclose(place, place.round(), atol=1e-5)  # sides are rounded at 1e-9 of 60 mm
+
+
+@pytest.mark.parametrize("n", [1, 3, 255, 256, 5000])
+def test_a_start_by_levels_has_the_number_asked_for_all_on_ink(n: int) -> None:
+    sites = scatter(HALVES.mapped(lambda c: np.where(c > 0.5, c, 0.0)), n, np.random.default_rng(1), "levels")
+    assert sites.shape == (n, 2) and (sites[:, 0] <= 0.5).all() and (sites >= 0).all() and (sites[:, 1] <= HALVES.size[1]).all()
+
+
+def test_a_start_by_levels_keeps_tone_and_needs_half_the_steps_of_an_even_one() -> None:
+    rng = np.random.default_rng(2)
+    levels, even = (scatter(RAMP, 4000, rng, how) for how in ("levels", "even"))
+    left = (levels[:, 0] < RAMP.size[0] / 2).mean()
+    half = RAMP.coverage[:, : RAMP.coverage.shape[1] // 2].sum() / RAMP.coverage.sum()
+    assert left == pytest.approx(half, abs=0.01)  # what the shaking moves across
+    energies = [[state.energy for state in islice(lloyd(sites, RAMP), 31)] for sites in (levels, even)]
+    assert energies[0][0] < 1.2 * energies[1][30] < energies[1][0] / 1.15
+    assert energies[0][15] == pytest.approx(energies[1][30], rel=0.005)  # three seeds and two numbers were within .003
+
+
+def test_a_start_by_levels_lies_in_a_canvas_with_holes_and_islands() -> None:
+    canvas = shapely.box(0, 0, 60, 40).difference(shapely.Point(20, 20).buffer(12)).difference(shapely.box(40, 0, 41, 40))
+    tone = Tone(np.full((80, 120), 0.4), (60, 40), canvas)
+    sites = scatter(tone, 3000, np.random.default_rng(3), "levels")
+    assert len(sites) == 3000 and tone.holds(sites).all()
+    share = (sites[:, 0] > 41).mean()
+    assert share == pytest.approx(19 * 40 / shapely.area(canvas), abs=0.01)

@@ -4,66 +4,114 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pythoncdt
 
-from crowquill import regular
-from crowquill.kernel import compiled
+from crowquill import circles, mending, regular
+from crowquill.kernel import compiled, shared_out
+from crowquill.mending import Table
 from crowquill.paths import Array, Index, Paths
 
-SUPER = 3  # vertices of its own that the triangulation counts first
+SUPER = 3  # vertices of its own that the library counts first
 LEAST = 5  # squares of the reach: a weight so far below the greatest has no place on the canvas left, which is two reaches wide
+
+
+class Fans(NamedTuple):
+    """What a loop over cells walks on: triangles as in a Net; of each of n sites the triangle that it begins with its least
+    neighbour, and how many lie around it. See after()."""
+
+    vertices: Table
+    neighbours: Table
+    centres: Array
+    begin: Index
+    degree: Index
 
 
 @dataclass(frozen=True, eq=False)
 class Net:
-    """The triangulation behind the cells: vertices and neighbours (t, 3), the sites that have a cell, the circles' centres (t, 2)."""
+    """The triangulation behind the cells of sites, and of four far points that close every cell.
 
-    vertices: Any
-    neighbours: Any
+    unique      the sites that have a cell, (n,); corner i of a triangle is site unique[i], or a far point from n on
+    points      (n + 4, 2) mm
+    vertices    (t, 3), turning from x to y
+    neighbours  (t, 3): that of number k lies across vertices k and k + 1, -1 beyond all
+    centres     (t, 2) mm, of equal power to the corners
+
+    Rows come in any order; what is made of them does not hang on it.
+    """
+
     unique: Index
+    points: Array
+    vertices: Table
+    neighbours: Table
     centres: Array
 
-    def rings(self) -> Paths:
-        """The cell of each site that has one before any clipping: the centres around it, turning from x to y."""
-        start = np.zeros(len(self.unique) + 1, np.int64)
-        around = np.empty(3 * len(self.vertices), np.int64)
-        _fans(self.vertices, self.neighbours, len(self.unique), start, around)
-        xy = self.centres[around[: start[-1]]]
+    @cached_property
+    def fans(self) -> Fans:
+        """The way round each site that has a cell, for loops over cells."""
+        n = len(self.unique)
+        begin, least, count = np.zeros(n, np.int64), np.full(n, len(self.points)), np.zeros(n, np.int64)
+        _begun(self.vertices, begin, least, count)
+        return Fans(self.vertices, self.neighbours, self.centres, begin, count)
+
+    def rings(self, which: Index | None = None) -> Paths:
+        """The cells of sites unique[which], of all when left out, before any clipping: the centres around, turning from x to y."""
+        fans = self.fans
+        which = np.arange(len(self.unique)) if which is None else which
+        start = np.concatenate([[0], np.cumsum(fans.degree[which])])
+        xy = np.empty((start[-1], 2))
+        shared_out(lambda lo, hi: _fans(fans, which, start, xy, lo, hi), len(which))
         return Paths(xy[: _distinct(xy, start)], start)
+
+    @cached_property
+    def surveyed(self) -> tuple[Array, Array, Array]:
+        """The least and the greatest coordinates of each cell before clipping, (n, 2) each, and its area, (n,)."""
+        fans, n = self.fans, len(self.unique)
+        lower, upper, areas = np.empty((n, 2)), np.empty((n, 2)), np.empty(n)
+        shared_out(lambda lo, hi: _surveyed(fans, lower, upper, areas, lo, hi), n)
+        return lower, upper, areas
 
     @cached_property
     def edges(self) -> tuple[Index, Array]:
         """Every two sites joined, (e, 2), and the ends of the edge between their cells, (e, 2, 2), not clipped."""
         table = np.empty((3 * len(self.vertices) // 2 + 3, 4), np.int64)
-        table = table[: _joined(self.vertices, self.neighbours, len(self.unique), table)]
+        table = table[: _joined(self.fans, table)]
         return self.unique[table[:, :2]], self.centres[table[:, 2:]]
 
 
-def triangulated(sites: Array, middle: Array, reach: float, weights: Array | None = None) -> Net:
+def triangulated(sites: Array, middle: Array, reach: float, weights: Array | None = None, last: Net | None = None) -> Net:
     """The triangulation of sites (n, 2) that lie, with the canvas, within `reach` of `middle`, mm: Delaunay's, or the regular one.
 
     Four far points are added. They stand off by more than the canvas is wide, so no place on the canvas is
     nearest to them, yet they close every cell: one site or a row of sites needs no rule of its own.
 
     weights  (n,) mm^2, which are taken off squared distances; sites that no place on the canvas is left to may have no cell
+    last     the triangulation of the same sites, without weights, before a small movement: the same answer sooner
     """
     far = middle + 8 * reach * np.array([[1.0, 0.1], [-0.1, 1.0], [-1.0, -0.1], [0.1, -1.0]])
-    if weights is None:
-        unique, vertices, neighbours = _distinct_delaunay(sites, far)
-        heavy = np.zeros(len(unique) + len(far))
-    else:
+    heavy = None
+    if weights is not None:
         unique, vertices, neighbours, heavy = _weighted(sites, far, reach, weights)
-    points = np.concatenate([np.zeros((SUPER, 2)), sites[unique], far])
-    centres = np.empty((len(vertices), 2))
-    _circumcentres(points, np.append(np.zeros(SUPER), heavy), vertices, centres)
-    _gathered(points, vertices, neighbours, centres, reach)
-    return Net(vertices, neighbours, unique, centres)
+    else:
+        unique, vertices, neighbours = _mended(sites, far, last) or _distinct_delaunay(sites, far)
+    points = np.concatenate([sites[unique], far])
+    return Net(unique, points, vertices, neighbours, circles.centres(points, heavy, vertices, neighbours, reach))
 
 
-def _distinct_delaunay(sites: Array, far: Array) -> tuple[Index, Any, Any]:
+def _mended(sites: Array, far: Array, last: Net | None) -> tuple[Index, Table, Table] | None:
+    """The triangles of `last` mended for these sites, where there are such that can be."""
+    n = len(sites)
+    if last is None or len(last.unique) != n or len(last.points) != n + len(far) or (last.points[n:] != far).any():
+        return None
+    vertices, neighbours = last.vertices.copy(), last.neighbours.copy()
+    if not mending.moved(last.points, np.concatenate([sites, far]), vertices, neighbours):
+        return None
+    return last.unique, vertices, neighbours
+
+
+def _distinct_delaunay(sites: Array, far: Array) -> tuple[Index, Table, Table]:
     """The first of each coincident sites, and vertices and neighbours of their triangles."""
     unique = np.arange(len(sites))
     try:
@@ -71,19 +119,9 @@ def _distinct_delaunay(sites: Array, far: Array) -> tuple[Index, Any, Any]:
     except RuntimeError:  # it refuses coincident points; finding them first would cost every call
         unique = np.sort(np.unique(sites + 0.0, axis=0, return_index=True)[1])
         table = _delaunay(np.concatenate([sites[unique], far]))
-    return unique, table["vertices"], table["neighbors"]
-
-
-def _weighted(sites: Array, far: Array, reach: float, weights: Array) -> tuple[Index, Index, Index, Array]:
-    """The sites that have a cell, of coincident ones the heaviest, their triangles, and their weights and the far points'."""
-    weights = np.maximum(weights, weights.max() - LEAST * reach**2)
-    order = np.lexsort((-weights, *(sites + 0.0).T))  # stable: of equal weights the first
-    new = np.append(True, (np.diff(sites[order], axis=0) != 0).any(axis=1))
-    unique = np.sort(order[new])
-    heavy = np.append(weights[unique], np.full(len(far), weights.min()))
-    vertices, neighbours = regular.triangulated(np.concatenate([sites[unique], far]), heavy)
-    seen = np.unique(vertices)
-    return unique[seen[: -len(far)]], np.searchsorted(seen, vertices) + SUPER, neighbours, heavy[seen]
+    vertices, neighbours = _without_its_own(table["vertices"], table["neighbors"])
+    mending.legal(np.concatenate([sites[unique], far]), vertices, neighbours)
+    return unique, vertices, neighbours
 
 
 def _delaunay(points: Array) -> Any:
@@ -94,90 +132,76 @@ def _delaunay(points: Array) -> Any:
     return net.triangles_array()
 
 
-@compiled
-def _circumcentres(points: Array, weights: Array, vertices: Any, centres: Array) -> None:
-    """The centre of each triangle's circle, of equal power to its corners; triangles with a dummy get 0.
+def _without_its_own(vertices: Any, neighbours: Any) -> tuple[Table, Table]:
+    """The library's table without triangles at vertices of its own, in the order of their least corners: near triangles are near in it.
 
-    Reckoned from an end of the shortest side: two close corners differ exactly in floats, and
-    a third far off would swamp that difference.
+    Its outer triangle stands off so far that the four far points' hull is filled.
     """
-    for t in range(len(vertices)):
-        centres[t, 0] = centres[t, 1] = 0.0
-        if min(vertices[t, 0], vertices[t, 1], vertices[t, 2]) < SUPER:
-            continue
-        near, least = 0, np.inf
-        for k in range(3):
-            p, q = vertices[t, k], vertices[t, (k + 1) % 3]
-            side = (points[q, 0] - points[p, 0]) ** 2 + (points[q, 1] - points[p, 1]) ** 2
-            if side < least:
-                near, least = k, side
-        a, b, c = vertices[t, near], vertices[t, (near + 1) % 3], vertices[t, (near + 2) % 3]
-        x, y = points[a, 0], points[a, 1]
-        bx, by, cx, cy = points[b, 0] - x, points[b, 1] - y, points[c, 0] - x, points[c, 1] - y
-        twice = 2 * (bx * cy - by * cx)
-        if twice == 0:  # too thin for floats: the middle of its longest reach stands in
-            centres[t, 0], centres[t, 1] = x + cx / 2, y + cy / 2
-            continue
-        bb, cc = bx * bx + by * by + (weights[a] - weights[b]), cx * cx + cy * cy + (weights[a] - weights[c])
-        centres[t, 0], centres[t, 1] = x + (cy * bb - by * cc) / twice, y + (bx * cc - cx * bb) / twice
+    least = vertices.min(axis=1)
+    order = np.argsort(least, kind="stable")[np.count_nonzero(least < SUPER) :]
+    place = np.full(len(vertices) + 1, -1, np.int32)  # the last row is for what lies beyond all
+    place[order] = np.arange(len(order), dtype=np.int32)
+    beside = np.minimum(neighbours[order], len(vertices))
+    return (vertices[order].astype(np.int32) - np.int32(SUPER)), place[beside]
+
+
+def _weighted(sites: Array, far: Array, reach: float, weights: Array) -> tuple[Index, Table, Table, Array]:
+    """The sites that have a cell, of coincident ones the heaviest, their triangles, and their weights and the far points'."""
+    weights = np.maximum(weights, weights.max() - LEAST * reach**2)
+    order = np.lexsort((-weights, *(sites + 0.0).T))  # stable: of equal weights the first
+    new = np.append(True, (np.diff(sites[order], axis=0) != 0).any(axis=1))
+    unique = np.sort(order[new])
+    heavy = np.append(weights[unique], np.full(len(far), weights.min()))
+    vertices, neighbours = regular.triangulated(np.concatenate([sites[unique], far]), heavy)
+    seen = np.unique(vertices)
+    return unique[seen[: -len(far)]], np.searchsorted(seen, vertices).astype(np.int32), neighbours.astype(np.int32), heavy[seen]
 
 
 @compiled
-def _gathered(points: Array, vertices: Any, neighbours: Any, centres: Array, reach: float) -> None:
-    """Makes one of centres that differ by rounding alone, as those of triangles whose corners lie on one circle.
-
-    Triangles are joined to neighbours of the same centre, and all of a group take the centre of one: so that the
-    many triangles of a regular polygon agree to the last bit.
-    """
-    group: Any = np.arange(len(vertices))
+def _begun(vertices: Table, begin: Index, least: Index, count: Index) -> None:
     for t in range(len(vertices)):
-        if min(vertices[t, 0], vertices[t, 1], vertices[t, 2]) < SUPER:
-            continue
         for k in range(3):
-            u = np.int64(neighbours[t, k])
-            if not 0 <= u < t or min(vertices[u, 0], vertices[u, 1], vertices[u, 2]) < SUPER:
-                continue
-            corner, x, y = vertices[t, 0], centres[t, 0], centres[t, 1]
-            radius = abs(x - points[corner, 0]) + abs(y - points[corner, 1])
-            # a centre is good to some last digits of its radius, and of its coordinates about a far origin; thin triangles cost two more
-            least = min(1e-6 * radius, 1e-13 * radius + 2e-14 * (abs(x) + abs(y) + reach))
-            if abs(centres[u, 0] - x) + abs(centres[u, 1] - y) < least:
-                mine, other = t, u
-                while group[mine] != mine:
-                    mine = group[mine]
-                while group[other] != other:
-                    other = group[other]
-                group[max(mine, other)] = min(mine, other)
-    for t in range(len(vertices)):
-        root = t
-        while group[root] != root:
-            root = group[root]
-        group[t] = root
-        centres[t, 0], centres[t, 1] = centres[root, 0], centres[root, 1]
+            v = vertices[t, k]
+            if v < len(begin):
+                count[v] += 1
+                after = vertices[t, (k + 1) % 3]
+                if after < least[v]:
+                    least[v], begin[v] = after, t
 
 
 @compiled
-def _fans(vertices: Any, neighbours: Any, n: int, start: Index, ring: Index) -> None:
-    """For each of n sites the triangles around it, turning from x to y: ring[start[i]:start[i + 1]].
+def after(net: Fans, t: int, v: int) -> tuple[int, int]:
+    """The next triangle around v from t on, turning from x to y, and the corner that both share with v."""
+    k = 2 if net.vertices[t, 0] == v else 0 if net.vertices[t, 1] == v else 1
+    return int(net.neighbours[t, k]), int(net.vertices[t, k])
 
-    Neighbour k of a triangle lies across its side k, k + 1.
-    """
-    begin = np.full(n, -1, np.int64)
-    for t in range(len(vertices)):
-        for k in range(3):
-            v = np.int64(vertices[t, k]) - SUPER  # unsigned in the table
-            if 0 <= v < n:
-                begin[v] = t
-                start[v + 1] += 1
-    for site in range(n):
-        start[site + 1] += start[site]
-        now = begin[site]
-        for at in range(start[site], start[site + 1]):
-            ring[at] = now
-            for k in range(3):
-                if np.int64(vertices[now, k]) - SUPER == site:
-                    now = np.int64(neighbours[now, (k + 2) % 3])
-                    break
+
+@compiled
+def _fans(net: Fans, which: Index, start: Index, xy: Array, lo: int, hi: int) -> None:
+    """The centres of the triangles around each of these sites, turning from x to y."""
+    for i in range(lo, hi):
+        now = net.begin[which[i]]
+        for at in range(start[i], start[i + 1]):
+            xy[at, 0], xy[at, 1] = net.centres[now, 0], net.centres[now, 1]
+            now, _ = after(net, now, which[i])
+
+
+@compiled
+def _surveyed(net: Fans, lower: Array, upper: Array, areas: Array, lo: int, hi: int) -> None:
+    """Boxes and areas of sites lo to hi, the areas summed about the first corner."""
+    for i in range(lo, hi):
+        now = net.begin[i]
+        x, y = net.centres[now, 0], net.centres[now, 1]
+        left, top, right, bottom, area = x, y, x, y, 0.0
+        u = v = 0.0
+        for _ in range(net.degree[i] - 1):
+            now, _corner = after(net, now, i)
+            left, top = min(left, net.centres[now, 0]), min(top, net.centres[now, 1])
+            right, bottom = max(right, net.centres[now, 0]), max(bottom, net.centres[now, 1])
+            s, t = net.centres[now, 0] - x, net.centres[now, 1] - y
+            area += (u * t - s * v) / 2
+            u, v = s, t
+        lower[i, 0], lower[i, 1], upper[i, 0], upper[i, 1], areas[i] = left, top, right, bottom, area
 
 
 @compiled
@@ -196,14 +220,15 @@ def _distinct(xy: Array, start: Index) -> int:
 
 
 @compiled
-def _joined(vertices: Any, neighbours: Any, n: int, edges: Index) -> int:
-    """Rows (site, site, triangle, triangle) of the edges between two of n sites; returns how many."""
-    count = 0
-    for t in range(len(vertices)):
-        for k in range(3):
-            u, v = np.int64(vertices[t, k]) - SUPER, np.int64(vertices[t, (k + 1) % 3]) - SUPER
-            if 0 <= u < v < n:
-                edges[count, 0], edges[count, 1] = u, v
-                edges[count, 2], edges[count, 3] = t, np.int64(neighbours[t, k])
-                count += 1
-    return count
+def _joined(net: Fans, edges: Index) -> int:
+    """Rows (site, site, triangle, triangle) of the edges between two sites, the lower first, by site; returns how many."""
+    found = 0
+    for i in range(len(net.begin)):
+        now = net.begin[i]
+        for _ in range(net.degree[i]):
+            beyond, other = after(net, now, i)
+            if i < other < len(net.begin):
+                edges[found, 0], edges[found, 1], edges[found, 2], edges[found, 3] = i, other, now, beyond
+                found += 1
+            now = beyond
+    return found

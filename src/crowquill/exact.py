@@ -29,26 +29,42 @@ def turn(points: Array, a: int, b: int, c: int) -> float:
 
 
 @compiled
-def under(points: Array, weights: Array, a: int, b: int, c: int, d: int) -> bool:
-    """Whether d lies under the plane of a, b, c, each at the height |x|^2 - weight; a, b, c turn from x to y. Exact.
+def depth(points: Array, weights: Array | None, a: int, b: int, c: int, d: int) -> float:
+    """Over 0 where d lies under the plane of a, b, c, each at the height |x|^2 - weight, under 0 above it, and 0 on it: exact in sign.
 
-    Of equal weights: whether d lies inside the circle of the others.
+    a, b, c turn from x to y. Without weights: over 0 where d lies inside the circle of the others, and 0 on it.
     """
-    x, y, w = points[d, 0], points[d, 1], weights[d]
+    x, y, w = points[d, 0], points[d, 1], _weight(weights, d)
     ax, ay, bx, by, cx, cy = points[a, 0] - x, points[a, 1] - y, points[b, 0] - x, points[b, 1] - y, points[c, 0] - x, points[c, 1] - y
-    aw, bw, cw = weights[a] - w, weights[b] - w, weights[c] - w
-    total = (ax * ax + ay * ay - aw) * (bx * cy - by * cx) + (bx * bx + by * by - bw) * (cx * ay - cy * ax)
-    total += (cx * cx + cy * cy - cw) * (ax * by - ay * bx)
-    sizes = (ax * ax + ay * ay + abs(aw)) * (abs(bx * cy) + abs(by * cx)) + (bx * bx + by * by + abs(bw)) * (abs(cx * ay) + abs(cy * ax))
-    sizes += (cx * cx + cy * cy + abs(cw)) * (abs(ax * by) + abs(ay * bx))
+    aw, bw, cw = _weight(weights, a) - w, _weight(weights, b) - w, _weight(weights, c) - w
+    aa, bb, cc = ax * ax + ay * ay, bx * bx + by * by, cx * cx + cy * cy
+    total = (aa - aw) * (bx * cy - by * cx) + (bb - bw) * (cx * ay - cy * ax) + (cc - cw) * (ax * by - ay * bx)
+    sizes = (aa + abs(aw) + bb + abs(bw) + cc + abs(cw)) ** 2  # more than the sum of products
     if abs(total) > UNDER * sizes:
-        return bool(total > 0)
+        return float(total)
+    sizes = (aa + abs(aw)) * (abs(bx * cy) + abs(by * cx)) + (bb + abs(bw)) * (abs(cx * ay) + abs(cy * ax))
+    sizes += (cc + abs(cw)) * (abs(ax * by) + abs(ay * bx))
+    if abs(total) > UNDER * sizes:
+        return float(total)
     whole = np.zeros(1)
     for i, j, k in ((a, b, c), (b, c, a), (c, a, b)):
-        height = _height(_less(points[i, 0], x), _less(points[i, 1], y), _less(weights[i], w))
+        height = _height(_less(points[i, 0], x), _less(points[i, 1], y), _less(_weight(weights, i), w))
         area = _area(_less(points[j, 0], x), _less(points[j, 1], y), _less(points[k, 0], x), _less(points[k, 1], y))
         whole = _sum(whole, _product(height, area))
-    return bool(whole[-1] > 0)
+    return float(whole[-1])
+
+
+@compiled
+def under(points: Array, weights: Array, a: int, b: int, c: int, d: int) -> bool:
+    """Whether d lies under the plane of a, b, c: see depth()."""
+    return bool(depth(points, weights, a, b, c, d) > 0)
+
+
+@compiled
+def _weight(weights: Array | None, i: int) -> float:
+    if weights is None:
+        return 0.0
+    return float(weights[i])
 
 
 @compiled

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
 
 from crowquill.cells import Cells
+from crowquill.delaunay import Fans, after
 from crowquill.kernel import compiled, shared_out
-from crowquill.paths import Array, Index, Paths, frozen
+from crowquill.paths import Array, Index, Paths
+from crowquill.strips import Band, Part, edge
 from crowquill.tone import BLOCK, Tone
 
 NOTHING = 1e-14  # of the sum of absolute parts: a mass below is rounding, and the cell is without ink
-GAUSS = 0.5 / np.sqrt(3.0)  # two points at 1/2 -+ this are exact to degree 3, all that is met here
+FAINT = 1e-6  # of that sum: of less than this, rounding may lead the centroid out of the cell
+SHARE = 4096  # sites to a share of work
+Corners = npt.NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +33,10 @@ class Moments:
     centroid: Array
     covariance: Array
 
+    def __post_init__(self) -> None:
+        for values in (self.mass, self.centroid, self.covariance):
+            values.setflags(write=False)
+
     @classmethod
     def of(cls, sums: Array, about: Array, fallback: Array) -> Moments:
         """Moments from the integrals of 1, x, y, xx, xy, yy (n, 6) about the points `about` (n, 2)."""
@@ -37,11 +47,7 @@ class Moments:
         x, y = mean.T
         xx, xy, yy = (sums[:, 3:6] / over).T
         covariance = np.stack([xx - x * x, xy - x * y, xy - x * y, yy - y * y], axis=1).reshape(-1, 2, 2)
-        return cls(
-            frozen(mass, np.float64, (None,), "mass"),
-            frozen(np.where(some[:, None], about + mean, fallback), np.float64, (None, 2), "centroid"),
-            frozen(np.where(some[:, None, None], covariance, 0.0), np.float64, (None, 2, 2), "covariance"),
-        )
+        return cls(mass.copy(), np.where(some[:, None], about + mean, fallback), np.where(some[:, None, None], covariance, 0.0))
 
 
 def of_rings(rings: Paths, fallback: npt.ArrayLike | None = None) -> Moments:
@@ -73,16 +79,51 @@ def of_tone(cells: Cells, tone: Tone) -> Moments:
     Source: A. Secord, Weighted Voronoi Stippling, NPAR 2002, for the sums; Green's theorem for the edges.
     """
     dx, dy = tone.pixel
-    n = len(cells.sites)
-    sums, about, box = np.zeros((n, 7)), np.zeros((n, 2)), np.zeros((n, 4))
-    xy = cells.rings.xy / (dx, dy)
-    shared_out(lambda lo, hi: _edges(tone.prefix, xy, cells.rings.start, cells.first, sums, about, box, lo, hi), n)
-    sums[np.abs(sums[:, 0]) < NOTHING * sums[:, 6]] = 0
-    sums = sums[:, :6] * dx * dy * np.array([1, dx, dy, dx * dx, dx * dy, dy * dy])
-    found = Moments.of(sums, about * (dx, dy), cells.sites)
+    n, net = len(cells.sites), cells.net
+    xy, first = cells.clipped.xy / (dx, dy), np.append(0, np.cumsum(np.bincount(cells.of, minlength=n)))
+    corner, sums = np.zeros((n, 2)), np.zeros((n, 7))
+    drawn = np.flatnonzero(np.diff(first))
+    corner[drawn] = xy[cells.clipped.start[first[drawn]]]
+    if net is not None and len(cells.whole):
+        fans = net.fans._replace(centres=net.centres / (dx, dy))
+        corner[net.unique[cells.whole]] = fans.centres[fans.begin[cells.whole]]
+    about = np.clip(np.floor(corner, out=corner), 0, np.array(tone.coverage.shape)[::-1] - 1).astype(np.int32)
+    for band in _bands(tone):
+        shared_out(partial(_edges, band, xy, cells.clipped.start, first, about, sums), n)
+        if net is not None and len(cells.whole):
+            own = np.zeros(len(net.unique), np.bool_)
+            own[cells.whole] = True
+            if len(band.prefix) < band.rows:
+                lower, upper, _ = net.surveyed
+                own &= (lower[:, 1] < (band.top + len(band.prefix)) * dy) & (upper[:, 1] >= band.top * dy)
+            shared_out(partial(_fans, band, fans, net.unique, own, about, sums), -(-len(own) // SHARE), 1)
+    mass, centroid, covariance = np.empty(n), np.empty((n, 2)), np.empty((n, 2, 2))
+    shared_out(lambda lo, hi: _finished(sums, about, cells.sites, dx, dy, mass, centroid, covariance, lo, hi), n)
     # next to no ink in a corner is rounding of the whole pixels beside it: it may not lead out of the cell
-    held = np.clip(found.centroid, box[:, :2] * (dx, dy), box[:, 2:] * (dx, dy))
-    return replace(found, centroid=np.where(found.mass[:, None] > 0, held, found.centroid))
+    faint = np.flatnonzero((mass > 0) & (sums[:, 0] < FAINT * sums[:, 6]))
+    if len(faint):
+        centroid[faint] = np.clip(centroid[faint], *_boxes(cells, faint))
+    return Moments(mass, centroid, covariance)
+
+
+def _boxes(cells: Cells, which: Index) -> tuple[Array, Array]:
+    """The least and the greatest coordinates of these sites' cells, (k, 2) mm each."""
+    drawn = np.flatnonzero(np.isin(cells.of, which))
+    parts = [(cells.clipped.take(drawn), cells.of[drawn])]
+    if cells.net is not None:
+        own = cells.whole[np.isin(cells.net.unique[cells.whole], which)]
+        parts.append((cells.net.rings(own), cells.net.unique[own]))
+    low, high = np.full((len(which), 2), np.inf), np.full((len(which), 2), -np.inf)
+    for rings, of in parts:
+        place = np.searchsorted(which, of)[rings.path]
+        np.minimum.at(low, place, rings.xy)
+        np.maximum.at(high, place, rings.xy)
+    return low, high
+
+
+def _bands(tone: Tone) -> Iterator[Band]:
+    """The whole picture."""
+    yield Band(tone.prefix, 0, len(tone.coverage))
 
 
 def along(tone: Tone, lines: Array) -> Array:
@@ -120,100 +161,83 @@ def _crossed(coverage: Array, lines: Array, mean: Array) -> None:
 
 
 @compiled
-def _edges(prefix: Array, xy: Array, start: Index, first: Index, sums: Array, about: Array, box: Array, lo: int, hi: int) -> None:
-    """Sums of sites lo to hi, in pixels about the corner of the first pixel of their cells, put in `about`, and the cells' boxes.
+def _edges(band: Band, xy: Array, start: Index, first: Index, about: Corners, sums: Array, lo: int, hi: int) -> None:
+    """Adds the integrals along the rings of sites lo to hi, in pixels about a pixel's corner each.
 
     Six integrals each, and the sum of the absolute parts of the first.
     """
     for site in range(lo, hi):
-        begin, end = start[first[site]], start[first[site + 1]]
-        if begin == end:
-            continue
-        left, top, right, bottom = xy[begin, 0], xy[begin, 1], xy[begin, 0], xy[begin, 1]
-        for k in range(begin, end):
-            left, top = min(left, xy[k, 0]), min(top, xy[k, 1])
-            right, bottom = max(right, xy[k, 0]), max(bottom, xy[k, 1])
-        box[site, 0], box[site, 1], box[site, 2], box[site, 3] = left, top, right, bottom
-        left = min(max(np.floor(left), 0.0), prefix.shape[1] - 1.0)
-        top = min(max(np.floor(top), 0.0), prefix.shape[0] - 1.0)
-        about[site, 0], about[site, 1] = left, top
         for ring in range(first[site], first[site + 1]):
-            last = start[ring + 1] - 1
-            for k in range(start[ring], last + 1):
-                after = start[ring] if k == last else k + 1
-                _edge(prefix, int(left), int(top), xy[k, 0], xy[k, 1], xy[after, 0], xy[after, 1], sums[site])
+            before = start[ring + 1] - 1
+            for k in range(start[ring], start[ring + 1]):
+                part = edge(band, about[site, 0], about[site, 1], xy[before, 0], xy[before, 1], xy[k, 0], xy[k, 1])
+                _added(sums[site], part)
+                before = k
 
 
 @compiled
-def _edge(prefix: Array, left: int, top: int, x0: float, y0: float, x1: float, y1: float, out: Array) -> None:
-    """Adds one edge's part of the sums, pixel by pixel along it."""
-    dx, dy = x1 - x0, y1 - y0
-    if dy == 0:
-        return  # along a row there is nothing to integrate
-    rows, columns = prefix.shape[0], prefix.shape[1]
-    i = min(max(int(np.floor(x0)), 0), columns - 1)
-    j = min(max(int(np.floor(y0)), 0), rows - 1)
-    i_end = min(max(int(np.floor(x1)), 0), columns - 1)
-    j_end = min(max(int(np.floor(y1)), 0), rows - 1)
-    right, down = 1 if dx > 0 else -1, 1 if dy > 0 else -1
-    # where along the edge, 0 to 1, it crosses into the next column and the next row
-    x_at = ((i + (right > 0)) - x0) / dx if i != i_end else 2.0
-    y_at = ((j + (down > 0)) - y0) / dy if j != j_end else 2.0
-    t = 0.0
-    while True:
-        until = min(x_at, y_at, 1.0)
-        if until > t:
-            _piece(prefix, left, top, i, j, x0 + t * dx, y0 + t * dy, x0 + until * dx, y0 + until * dy, out)
-            t = until
-        if i == i_end and j == j_end:
-            if t >= 1.0:
-                break
-            x_at = y_at = 2.0
-        elif x_at <= y_at:
-            i += right
-            x_at = ((i + (right > 0)) - x0) / dx if i != i_end else 2.0
-        else:
-            j += down
-            y_at = ((j + (down > 0)) - y0) / dy if j != j_end else 2.0
+def _fans(band: Band, net: Fans, unique: Index, own: npt.NDArray[np.bool_], about: Corners, sums: Array, lo: int, hi: int) -> None:
+    """Adds the integrals of cells that are their net's own, in shares lo to hi of the sites.
 
-
-@compiled
-def _piece(prefix: Array, left: int, top: int, i: int, j: int, x0: float, y0: float, x1: float, y1: float, out: Array) -> None:
-    """Adds the part of an edge that lies in pixel (j, i): the coverage to its left times dy.
-
-    a0, a1, a2 are the sums of coverage times 1, x, x^2 over the pixels from the block of
-    `left` to i, x counted from `left`; where that block starts is one and the same for a row, and cancels round a ring.
+    An edge between two cells of a share is integrated once for both, if sums to its left begin in one block for both. A share is
+    of so many sites whatever the number of threads: hence the same sums.
     """
-    block = i // BLOCK
-    a0, a1, a2 = _about(prefix[j, i, 0], prefix[j, i, 1], prefix[j, i, 2], float(block * BLOCK - left))
-    low, high, sign = (left // BLOCK, block, 1.0) if block >= left // BLOCK else (block, left // BLOCK, -1.0)
-    for b in range(low, high):
-        end = (b + 1) * BLOCK - 1  # the block's last pixel makes its sums whole
-        rho = prefix[j, end, 3]
-        e0, e1 = float(BLOCK - 1), float(BLOCK)
-        s0 = prefix[j, end, 0] + rho
-        s1 = prefix[j, end, 1] + rho * (e1 * e1 - e0 * e0) / 2
-        s2 = prefix[j, end, 2] + rho * (e1 * e1 * e1 - e0 * e0 * e0) / 3
-        s0, s1, s2 = _about(s0, s1, s2, float(b * BLOCK - left))
-        a0, a1, a2 = a0 + sign * s0, a1 + sign * s1, a2 + sign * s2
-    rho, edge = prefix[j, i, 3], float(i - left)
-    dy = (y1 - y0) / 2
-    for sign in (-1.0, 1.0):
-        t = 0.5 + sign * GAUSS
-        x, y = x0 + t * (x1 - x0) - left, y0 + t * (y1 - y0) - top
-        r0 = a0 + rho * (x - edge)
-        r1 = a1 + rho * (x * x - edge * edge) / 2
-        r2 = a2 + rho * (x * x * x - edge * edge * edge) / 3
-        out[0] += dy * r0
-        out[6] += abs(dy * r0)
-        out[1] += dy * r1
-        out[2] += dy * r0 * y
-        out[3] += dy * r2
-        out[4] += dy * r1 * y
-        out[5] += dy * r0 * y * y
+    for share in range(lo, hi):
+        low, high = share * SHARE, min((share + 1) * SHARE, len(unique))
+        for i in range(low, high):
+            if not own[i]:
+                continue
+            site, now = unique[i], net.begin[i]
+            for _ in range(net.degree[i]):
+                beyond, other = after(net, now, i)
+                x0, y0, x1, y1 = net.centres[now, 0], net.centres[now, 1], net.centres[beyond, 0], net.centres[beyond, 1]
+                now = beyond
+                both = low <= other < high and own[other]
+                if both:
+                    both = about[unique[other], 0] // BLOCK == about[site, 0] // BLOCK
+                if both and other < i:
+                    continue  # when it was the other's turn
+                part = edge(band, about[site, 0], about[site, 1], x0, y0, x1, y1)
+                _added(sums[site], part)
+                if both:
+                    twin = unique[other]
+                    _taken(sums[twin], part, about[site, 0] - about[twin, 0], about[site, 1] - about[twin, 1])
 
 
 @compiled
-def _about(s0: float, s1: float, s2: float, shift: float) -> tuple[float, float, float]:
-    """Sums of 1, x, x^2 with every x larger by `shift`."""
-    return s0, s1 + shift * s0, s2 + 2 * shift * s1 + shift * shift * s0
+def _finished(
+    sums: Array, about: Corners, sites: Array, dx: float, dy: float,
+    mass: Array, centroid: Array, covariance: Array, lo: int, hi: int,
+) -> None:  # fmt: skip
+    """Moments in mm of sums in pixels, of sites lo to hi."""
+    for i in range(lo, hi):
+        m = sums[i, 0]
+        if abs(m) < NOTHING * sums[i, 6] or m == 0:
+            mass[i], centroid[i, 0], centroid[i, 1] = 0.0, sites[i, 0], sites[i, 1]
+            covariance[i] = 0.0
+            continue
+        x, y = sums[i, 1] / m, sums[i, 2] / m
+        mass[i] = m * dx * dy
+        covariance[i, 0, 0] = (sums[i, 3] / m - x * x) * dx * dx
+        covariance[i, 0, 1] = covariance[i, 1, 0] = (sums[i, 4] / m - x * y) * dx * dy
+        covariance[i, 1, 1] = (sums[i, 5] / m - y * y) * dy * dy
+        centroid[i, 0], centroid[i, 1] = (about[i, 0] + x) * dx, (about[i, 1] + y) * dy
+
+
+@compiled
+def _added(sums: Array, part: Part) -> None:
+    for k in range(7):
+        sums[k] += part[k]
+
+
+@compiled
+def _taken(sums: Array, part: Part, x: float, y: float) -> None:
+    """Takes integrals away, about a point that lies x and y before the one they are about."""
+    m, mx, my, xx, xy, yy, size = part
+    sums[0] -= m
+    sums[1] -= mx + x * m
+    sums[2] -= my + y * m
+    sums[3] -= xx + 2 * x * mx + x * x * m
+    sums[4] -= xy + x * my + y * mx + x * y * m
+    sums[5] -= yy + 2 * y * my + y * y * m
+    sums[6] += size

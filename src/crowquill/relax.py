@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
 import shapely
 
-from crowquill import cells, hilbert, moments
+from crowquill import cells, hilbert, moments, refining
 from crowquill.cells import Cells
 from crowquill.halftone import METHODS, halftoned
 from crowquill.halftone.averages import averaged
@@ -21,7 +22,11 @@ from crowquill.tone import Tone
 
 __all__ = ["STARTS", "State", "lloyd", "scatter", "settle"]
 
-STARTS = ("even", "random", *(method for method in METHODS if method != "random"))
+STARTS = ("levels", "even", "random", *(method for method in METHODS if method != "random"))
+STEP = 1.8  # of the way to the centroid
+LEAST = 64  # sites of the coarsest level, from which on there is a coarser one
+LEVELS = (20, 4)  # steps on the coarsest level, and on each of the next
+PIXELS_ENOUGH = 16  # to a site, on all levels but the finest
 PIXELS_A_SITE = 4  # pixels are split until there are so many: inside one pixel sites fall at random
 SQUARES = 40_000_000  # of a halftone's grid
 GOLDEN = np.pi * (3 - np.sqrt(5))  # rad; multiples of it never line up
@@ -45,11 +50,11 @@ class State:
     @classmethod
     def of(cls, done: int, sites: Array, parts: Cells, sums: Moments, **more: Any) -> Self:
         """The state of sites with these cells and moments of the weight."""
-        way = sums.centroid - sites
-        spread = sums.covariance[:, 0, 0] + sums.covariance[:, 1, 1] + (way**2).sum(axis=1)
-        area = parts.areas
-        gone = np.hypot(*way.T) / np.sqrt(np.where(area > 0, area, np.inf))
-        return cls(done, sites, parts, sums, float((sums.mass * spread).sum()), float(gone.mean()) if len(gone) else 0.0, **more)
+        x, y = (sums.centroid - sites).T
+        way, area = x * x + y * y, parts.areas
+        energy = float((sums.mass * (sums.covariance[:, 0, 0] + sums.covariance[:, 1, 1] + way)).sum())
+        gone = np.sqrt(way / np.where(area > 0, area, np.inf))
+        return cls(done, sites, parts, sums, energy, float(gone.mean()) if len(gone) else 0.0, **more)
 
 
 Lead = Callable[[State], Array]
@@ -58,6 +63,8 @@ Lead = Callable[[State], Array]
 def scatter(tone: Tone, n: int, rng: np.random.Generator, how: str = "even") -> Array:
     """First sites (n, 2) mm in the tone's canvas, in proportion to coverage.
 
+    levels    some sites at rest that become four times as many, again and again (see refining): what 30 steps make of
+              `even`, 15 make of these, and making them costs about 4
     even      equal ink: pixels are strung along a Hilbert curve, the string is cut into n
               lengths of equal ink, and each gets one site at random
     random    each site by itself
@@ -73,6 +80,8 @@ def scatter(tone: Tone, n: int, rng: np.random.Generator, how: str = "even") -> 
         raise ValueError(f"n is {n}; it takes 0 or more")
     if n == 0 or not tone.ink > 0:
         return np.zeros((0, 2))
+    if how == "levels":
+        return _by_levels(tone, n, rng)
     if how in METHODS and how != "random":
         return _halftoned(tone, n, how, rng)
     split = int(np.ceil(np.sqrt(max(1.0, PIXELS_A_SITE * n / tone.coverage.size))))
@@ -88,11 +97,39 @@ def scatter(tone: Tone, n: int, rng: np.random.Generator, how: str = "even") -> 
     return _placed(tone, np.stack([column, row], axis=1), np.array(tone.pixel), rng)
 
 
+def _by_levels(tone: Tone, n: int, rng: np.random.Generator) -> Array:
+    """n sites of a start by levels, or fewer where the tone has not so many places with ink."""
+    wanted = [n]
+    while wanted[0] >= 4 * LEAST:
+        wanted.insert(0, wanted[0] // 4)
+    level = _coarser(tone, wanted[0]) if wanted[1:] else tone
+    sites = scatter(level, wanted[0], rng)
+    for done, count in enumerate(wanted[1:] or [0]):
+        states = _states(sites, level, level.mapped(np.square), STEP, level.coverage == 0)
+        state = next(islice(states, LEVELS[min(done, 1)], None))
+        if not count:
+            return state.sites
+        level = _coarser(tone, count) if count < n else tone
+        sites = refining.refined(state.cells, level, count, rng)
+    return sites
+
+
+def _coarser(tone: Tone, n: int) -> Tone:
+    """The tone on fewer pixels, where it has many more than n sites need."""
+    h, w = tone.coverage.shape
+    over = int(np.sqrt(h * w / (PIXELS_ENOUGH * n)))
+    if over < 2:
+        return tone
+    rows, columns = -(-h // over), -(-w // over)
+    fewer = averaged(tone.coverage, np.linspace(0, w, columns + 1), np.linspace(0, h, rows + 1))
+    return Tone(np.clip(fewer, 0, 1), tone.size, tone.canvas)
+
+
 def lloyd(
     sites: npt.ArrayLike,
     tone: Tone,
     *,
-    step: float = 1.8,
+    step: float = STEP,
     exponent: float = 2.0,
     banned: npt.ArrayLike | None = None,
     lead: Lead | None = None,
@@ -120,18 +157,18 @@ def lloyd(
     refused = None if banned is None else np.asarray(banned, bool)
     if refused is not None and refused.shape != tone.coverage.shape:
         raise ValueError(f"banned has shape {refused.shape}; it takes the tone's {tone.coverage.shape}")
-    return _states(frozen(sites, np.float64, (None, 2), "sites"), tone, step, exponent, refused, lead)
+    weight = tone.mapped(lambda coverage: coverage**exponent)
+    return _states(frozen(sites, np.float64, (None, 2), "sites"), tone, weight, step, refused, lead)
 
 
 def _states(
-    sites: Array, tone: Tone, step: float, exponent: float, banned: npt.NDArray[np.bool_] | None, lead: Lead | None
+    sites: Array, tone: Tone, weight: Tone, step: float, banned: npt.NDArray[np.bool_] | None, lead: Lead | None = None
 ) -> Iterator[State]:
-    weight = tone.mapped(lambda coverage: coverage**exponent)
-    done = 0
+    state = measured(sites, tone, weight, banned=banned)
     while True:
-        state = measured(sites, tone, weight, done=done, banned=banned)
         yield state
-        sites, done = moved(state, tone, step=step, banned=banned, lead=lead), done + 1
+        sites = moved(state, tone, step=step, banned=banned, lead=lead)
+        state = measured(sites, tone, weight, done=state.done + 1, banned=banned, last=state.cells)
 
 
 def measured(
@@ -142,20 +179,22 @@ def measured(
     canvas: shapely.Geometry | None = None,
     done: int = 0,
     banned: npt.NDArray[np.bool_] | None = None,
+    last: Cells | None = None,
 ) -> State:
     """The state of sites as they are, their cells weighed by `weight`, those without a cell parted from their twins.
 
     canvas  in place of the tone's
+    last    the cells of the same sites before they moved: the same answer sooner
     """
     canvas = tone.canvas if canvas is None else canvas
-    parts = cells.voronoi(sites, canvas)
+    parts = cells.voronoi(sites, canvas, last)
     if (np.diff(parts.first) == 0).any():
         sites = parted(sites, parts, tone, banned)
         parts = cells.voronoi(sites, canvas)
     return State.of(done, sites, parts, moments.of_tone(parts, weight))
 
 
-def moved(state: State, tone: Tone, *, step: float = 1.8, banned: npt.NDArray[np.bool_] | None = None, lead: Lead | None = None) -> Array:
+def moved(state: State, tone: Tone, *, step: float = STEP, banned: npt.NDArray[np.bool_] | None = None, lead: Lead | None = None) -> Array:
     """Where the sites of a state are a step later."""
     centroid, sites = state.moments.centroid, state.sites
     return held(tone, banned, sites + step * (centroid - sites) if lead is None else lead(state), centroid, sites)
@@ -163,9 +202,11 @@ def moved(state: State, tone: Tone, *, step: float = 1.8, banned: npt.NDArray[np
 
 def held(tone: Tone, banned: npt.NDArray[np.bool_] | None, *places: Array) -> Array:
     """For each site the first of these places (n, 2) that may have one: in the canvas, on no banned pixel; or else the last."""
-    target = places[0]
+    target = np.array(places[0])
+    lost = np.flatnonzero(~_may_hold(target, tone, banned))
     for other in places[1:]:
-        target = np.where(_may_hold(target, tone, banned)[:, None], target, other)
+        target[lost] = other[lost]
+        lost = lost[~_may_hold(target[lost], tone, banned)]
     return target
 
 

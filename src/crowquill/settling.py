@@ -157,16 +157,16 @@ def _weighed(place: Tone | shapely.Geometry, exponent: float) -> Tone | None:
 
 
 def _states(objects: Objects, local: Array, owner: Index, rules: _Rules) -> Iterator[State]:
-    n, done = len(objects), 0
+    n, done, parts = len(objects), 0, None
     while True:
-        parts = voronoi(objects.placed(local, owner), rules.canvas)
+        parts = voronoi(objects.placed(local, owner), rules.canvas, parts)
         if rules.move and parts.net is not None and len(parts.net.unique) < len(owner):
             apart = _parted(objects, np.setdiff1d(np.arange(n), owner[parts.net.unique]), done, rules)
             if (apart.xy != objects.xy).any():
                 objects, parts = apart, voronoi(apart.placed(local, owner), rules.canvas)
         sums = _regional(parts, owner, rules.weight, objects.xy)
         turned_by = sums if rules.turn_weight is rules.weight else _regional(parts, owner, rules.turn_weight, objects.xy)
-        area = np.bincount(owner[parts.owner], parts.rings.areas, n)
+        area = np.bincount(owner, parts.areas, n)
         way = np.where(rules.free[:, None] & (rules.move > 0), _inside(sums.centroid, rules) - objects.xy, 0.0)
         gone = np.hypot(*way.T) / np.sqrt(np.where(area > 0, area, rules.spacing**2))
         angle, turns = _still_to_turn(objects, turned_by, rules)

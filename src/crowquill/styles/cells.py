@@ -36,9 +36,9 @@ def draw(
     pen: Annotated[float | None, Range(0.01, 50, "mm", "line width (0.15mm)")] = None,
     dots: Annotated[int | None, Range(1, 100_000_000, "", "number of cells, however much ink their lines are")] = None,
     net: Annotated[bool, Flag("draw the triangles between sites in place of the cells around them")] = False,
-    iterations: Annotated[int, Range(0, 100_000, "", "most relaxation steps")] = 30,
+    iterations: Annotated[int, Range(0, 100_000, "", "most relaxation steps")] = 15,
     until: Annotated[float, Range(0, 1, "", "stop when sites move less, in spacings; 0 never")] = 0.0,
-    start: Annotated[str, Choice(relax.STARTS, "where sites begin")] = "even",
+    start: Annotated[str, Choice(relax.STARTS, "where sites begin")] = "levels",
     white: Annotated[float, Range(0, 1, "", "no lines where coverage is below")] = 0.02,
     max_dots: Annotated[int, Range(1, 100_000_000, "", "refuse to draw more")] = 2_000_000,
 ) -> Work:

@@ -1,7 +1,7 @@
 """Stippling: dots of ink, evenly spaced, as many as the tone needs, of one size or several (weighted Voronoi stippling).
 
-Dots start at equal shares of ink and move to the centroids of their Voronoi cells, weighed by
-coverage squared so that tone is kept. Of several sizes each dot takes the one nearest to the ink of its cell.
+Some dots begin at equal shares of ink and move to the centroids of their Voronoi cells, weighed by coverage squared so that
+tone is kept; they become four times as many and move on, until there are enough. Of several sizes each dot takes the one nearest to the ink of its cell.
 Source: A. Secord, Weighted Voronoi Stippling, NPAR 2002; O. Deussen, S. Hiller, C. van Overveld,
 T. Strothotte, Floating Points, Eurographics 2000.
 """
@@ -32,11 +32,11 @@ def draw(
     sizes: Sizes = None,
     size_by: SizeBy = "pen",
     glyphs: Glyphs = None,
-    iterations: Annotated[int, Range(0, 100_000, "", "most relaxation steps")] = 30,
+    iterations: Annotated[int, Range(0, 100_000, "", "most relaxation steps")] = 15,
     until: Annotated[float, Range(0, 1, "", "stop when dots move less, in spacings; 0 never")] = 0.0,
     step: Annotated[float, Range(0.01, 1.99, "", "how far dots move to their centroids")] = 1.8,
     exponent: Annotated[float, Range(0, 4, "", "cells weigh coverage to this power; 2 keeps tone")] = 2.0,
-    start: Annotated[str, Choice(relax.STARTS, "where dots begin")] = "even",
+    start: Annotated[str, Choice(relax.STARTS, "where dots begin")] = "levels",
     white: White = 0.02,
     white_rule: Annotated[str, Choice(("before", "after"), "never place dots on white, or remove them at the end")] = "before",
     min_gap: MinGap = 0.0,

@@ -45,8 +45,8 @@ def draw(
     closed: Annotated[bool, Flag("lead the line back to where it begins")] = False,
     rounded: Annotated[bool, Flag("bend the line through its sites in place of corners")] = False,
     width_by: Annotated[str, Choice(("pen", "tone"), "a line as wide as the pen, or wider where it is darker")] = "pen",
-    iterations: Annotated[int, Range(0, 100_000, "", "most relaxation steps")] = 30,
-    start: Annotated[str, Choice(relax.STARTS, "where sites begin")] = "even",
+    iterations: Annotated[int, Range(0, 100_000, "", "most relaxation steps")] = 15,
+    start: Annotated[str, Choice(relax.STARTS, "where sites begin")] = "levels",
     white: Annotated[float, Range(0, 1, "", "no sites where coverage is below")] = 0.02,
     max_dots: Annotated[int, Range(1, 100_000_000, "", "refuse to draw more")] = 2_000_000,
 ) -> Work:
