@@ -15,10 +15,11 @@ from scipy.spatial import cKDTree
 
 from crowquill import relax as dots
 from crowquill import settling
+from crowquill.cells import Cells
 from crowquill.editor.brushes import Meant, Path, outline
 from crowquill.editor.drawing import Drawing
 from crowquill.editor.fields import along
-from crowquill.editor.items import Items, Kind, Mask
+from crowquill.editor.items import Columns, Items, Kind, Mask
 from crowquill.editor.operations import on_meant, operation
 from crowquill.editor.operations.mosaics import stepped
 from crowquill.knobs import Choice, Flag, Range
@@ -155,13 +156,38 @@ class _Crowd:
         return by
 
 
+class _Last:
+    """The cells of the last step of a whole crowd: those of its next are found sooner by them, and are the same."""
+
+    def __init__(self) -> None:
+        self._kept: tuple[list[Columns], Index, Cells] | None = None
+
+    def cells(self, crowd: _Crowd, rows: Index) -> Cells | None:
+        """The last cells, if they are of the same items."""
+        if self._kept is None:
+            return None
+        ids, old, found = self._kept
+        same = len(ids) == len(crowd.items) and all(one is part.id for one, part in zip(ids, crowd.items.values(), strict=True))
+        return found if same and np.array_equal(old, rows) else None
+
+    def keep(self, crowd: _Crowd, rows: Index, found: Cells) -> None:
+        """Keeps the cells of these rows of a crowd."""
+        self._kept = ([part.id for part in crowd.items.values()], rows, found)
+
+
+_LAST = _Last()
+
+
 def _dots(crowd: _Crowd, step: float) -> tuple[Array, None, Facts]:
     """Where sites that move go."""
     for rows, window, margin in crowd.surroundings():
-        state = dots.measured(crowd.xy[rows], crowd.tone, crowd.tone, canvas=window)
+        last = _LAST.cells(crowd, rows) if margin == np.inf else None
+        state = dots.measured(crowd.xy[rows], crowd.tone, crowd.tone, canvas=window, last=last)
         mine = crowd.active[rows]
         if margin == np.inf or 2 * _reach(state.cells.rings, state.cells.owner, state.cells.sites, mine) < margin:
             break
+    if margin == np.inf:
+        _LAST.keep(crowd, rows, state.cells)
     target = dots.moved(state, crowd.tone, step=step)
     if mine.all():
         return target, None, {"energy": state.energy, "movement": state.movement}
