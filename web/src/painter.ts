@@ -7,6 +7,8 @@ import { SIDE, TilePainter } from "./tile";
 import { Underlay } from "./underlay";
 
 const BUDGET = 14; // ms of a frame for new tiles
+const STEADY = 24; // where the view stands still
+const PATIENCE = 60; // ms in which no half of a change is shown
 const STILL = 70; // ms without zooming, after which tiles of the new scale are made
 const MOST = 160; // tiles kept: 40 MB, and as much for what lies beneath them
 const SPARE = 40; // canvases of tiles kept for others
@@ -37,6 +39,8 @@ class Painter {
   private before: Tiles | null = null; // those of the last scale, shown until the new are there
   private zoomed = 0; // when the scale last changed
   private asked = false;
+  private moved = true; // the view, since it was drawn last
+  private drawn = 0; // when the canvas was
   private frames = 0;
   private coming = 0; // the revision that the scene is on its way to, and how many frames it wants yet
   private missing = 0;
@@ -71,6 +75,7 @@ class Painter {
         break;
       case "look":
         this.look = message.look;
+        this.moved = true;
         this.underlay.version++;
         this.scene.touchAll();
         break;
@@ -101,6 +106,7 @@ class Painter {
     if (this.canvas && (this.canvas.width !== width || this.canvas.height !== height)) [this.canvas.width, this.canvas.height] = [width, height];
     if (view.scale !== this.view.scale) this.zoomed = performance.now();
     this.view = view;
+    this.moved = true;
   }
 
   private ask(): void {
@@ -117,8 +123,12 @@ class Painter {
     const settled = began - this.zoomed > STILL || !this.tiles.all.size;
     if (settled && this.tiles.scale !== this.view.scale) this.change();
     this.mark();
-    const left = settled ? this.make(began + BUDGET) : 1;
-    this.draw(context);
+    const left = settled ? this.make(began + (this.moved ? BUDGET : STEADY)) : 1;
+    if (!left || this.moved || began - this.drawn > PATIENCE) {
+      this.draw(context);
+      this.drawn = began;
+      this.moved = false;
+    }
     if (!left) {
       this.before = this.drop(this.before);
       this.shown = this.revision;

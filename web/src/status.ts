@@ -1,7 +1,7 @@
 // The line at the foot of the canvas, the state of saving, and the banner when the line is broken.
 
 import type { Desk } from "./desk";
-import { byId, set } from "./dom";
+import { byId, put, set } from "./dom";
 import type { Line } from "./link";
 
 const LINES: Record<Exclude<Line, "ended">, string> = {
@@ -19,7 +19,7 @@ export class Status {
     viewport.changed.on(() => this.scale());
     drawing.changed.on(() => {
       const { marks = 0, selected = 0 } = drawing.state.value ?? {};
-      byId("count").textContent = `${marks.toLocaleString("en")} marks${selected ? `, ${selected.toLocaleString("en")} selected` : ""}`;
+      put(byId("count"), `${marks.toLocaleString("en")} marks${selected ? `, ${selected.toLocaleString("en")} selected` : ""}`);
     });
     drawing.hello.on((hello) => {
       if (!hello) return;

@@ -58,7 +58,9 @@ def _changed(layer: int, old: Items, new: Items) -> list[bytes]:
     rows, bits = _different(old, new, there, here)
     if len(rows):
         which = rows if here is None else here[rows]
-        chunks.append(_chunk(layer, new.id[which], bits, _columns(new, which, bits), _steps(old, new, rows, there, which, bits)))
+        steps = _steps(old, new, rows, there, which, bits)
+        columns = _columns(new, which, bits if steps is None else bits & ~BITS["um"])
+        chunks.append(_chunk(layer, new.id[which], bits, columns, steps))
     return chunks
 
 
@@ -66,7 +68,7 @@ def _steps(old: Items, new: Items, rows: Any, there: Any, which: Any, bits: int)
     """How far the items at these rows have moved, um, where all of them moved less than FAR."""
     if not bits & BITS["um"]:
         return None
-    way = new.um[which] - old.um[rows if there is None else there[rows]]
+    way = new.um - old.um if there is None and len(rows) == len(new) else new.um[which] - old.um[rows if there is None else there[rows]]
     return way.astype("<i2") if way.min() > -FAR and way.max() < FAR else None
 
 
