@@ -74,7 +74,7 @@ class Cells:
         """The area of each site's cell, (n,) mm^2."""
         found = np.bincount(self.of, self.clipped.areas, len(self.sites)).astype(np.float64)
         if self.net is not None:
-            found[self.net.unique[self.whole]] += self.net.surveyed[2][self.whole]
+            found[self.net.unique[self.whole]] += self.net.areas()[self.whole]
         return found
 
     @cached_property
@@ -204,7 +204,7 @@ def _may_be_cut(net: Net, canvas: shapely.Geometry) -> npt.NDArray[np.bool_]:
     """
     n = len(net.unique)
     low, high = np.array(shapely.bounds(canvas)).reshape(2, 2)
-    lower, upper, _ = net.surveyed
+    lower, upper = net.boxes()
     if _is_upright_box(canvas):
         return np.asarray((lower[:, 0] < low[0]) | (lower[:, 1] < low[1]) | (upper[:, 0] > high[0]) | (upper[:, 1] > high[1]))
     spacing = np.sqrt(np.prod(high - low) / n)

@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 import pythoncdt
 
 from crowquill import circles, mending, regular
@@ -14,7 +15,9 @@ from crowquill.kernel import compiled, shared_out
 from crowquill.mending import Table
 from crowquill.paths import Array, Index, Paths
 
+Numbers = npt.NDArray[np.int32]
 SUPER = 3  # vertices of its own that the library counts first
+FAR = 4  # points that close every cell, the last ones
 LEAST = 5  # squares of the reach: a weight so far below the greatest has no place on the canvas left, which is two reaches wide
 
 
@@ -25,8 +28,8 @@ class Fans(NamedTuple):
     vertices: Table
     neighbours: Table
     centres: Array
-    begin: Index
-    degree: Index
+    begin: Numbers
+    degree: Numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +55,7 @@ class Net:
     def fans(self) -> Fans:
         """The way round each site that has a cell, for loops over cells."""
         n = len(self.unique)
-        begin, least, count = np.zeros(n, np.int64), np.full(n, len(self.points)), np.zeros(n, np.int64)
+        begin, least, count = np.zeros(n, np.int32), np.full(n, len(self.points), np.int32), np.zeros(n, np.int32)
         _begun(self.vertices, begin, least, count)
         return Fans(self.vertices, self.neighbours, self.centres, begin, count)
 
@@ -65,13 +68,18 @@ class Net:
         shared_out(lambda lo, hi: _fans(fans, which, start, xy, lo, hi), len(which))
         return Paths(xy[: _distinct(xy, start)], start)
 
-    @cached_property
-    def surveyed(self) -> tuple[Array, Array, Array]:
-        """The least and the greatest coordinates of each cell before clipping, (n, 2) each, and its area, (n,)."""
+    def boxes(self) -> tuple[Array, Array]:
+        """The least and the greatest coordinates of each cell before clipping, (n, 2) each."""
         fans, n = self.fans, len(self.unique)
-        lower, upper, areas = np.empty((n, 2)), np.empty((n, 2)), np.empty(n)
-        shared_out(lambda lo, hi: _surveyed(fans, lower, upper, areas, lo, hi), n)
-        return lower, upper, areas
+        lower, upper = np.empty((n, 2)), np.empty((n, 2))
+        shared_out(lambda lo, hi: _boxes(fans, lower, upper, lo, hi), n)
+        return lower, upper
+
+    def areas(self) -> Array:
+        """The area of each cell before clipping, (n,)."""
+        areas = np.zeros(len(self.unique))
+        shared_out(lambda lo, hi: _areas(self.fans, areas, lo, hi), len(areas))
+        return areas
 
     @cached_property
     def edges(self) -> tuple[Index, Array]:
@@ -94,34 +102,36 @@ def triangulated(sites: Array, middle: Array, reach: float, weights: Array | Non
     heavy = None
     if weights is not None:
         unique, vertices, neighbours, heavy = _weighted(sites, far, reach, weights)
+        points = np.concatenate([sites[unique], far])
     else:
-        unique, vertices, neighbours = _mended(sites, far, last) or _distinct_delaunay(sites, far)
-    points = np.concatenate([sites[unique], far])
+        points = np.concatenate([sites, far])
+        unique, points, vertices, neighbours = _mended(points, last) or _distinct_delaunay(points)
     return Net(unique, points, vertices, neighbours, circles.centres(points, heavy, vertices, neighbours, reach))
 
 
-def _mended(sites: Array, far: Array, last: Net | None) -> tuple[Index, Table, Table] | None:
-    """The triangles of `last` mended for these sites, where there are such that can be."""
-    n = len(sites)
-    if last is None or len(last.unique) != n or len(last.points) != n + len(far) or (last.points[n:] != far).any():
+def _mended(points: Array, last: Net | None) -> tuple[Index, Array, Table, Table] | None:
+    """The sites, points and triangles of `last` mended for these points, the far ones among them, where there are such that can be."""
+    n = len(points) - FAR
+    if last is None or len(last.unique) != n or len(last.points) != len(points) or (last.points[n:] != points[n:]).any():
         return None
     vertices, neighbours = last.vertices.copy(), last.neighbours.copy()
-    if not mending.moved(last.points, np.concatenate([sites, far]), vertices, neighbours):
+    if not mending.moved(last.points, points, vertices, neighbours):
         return None
-    return last.unique, vertices, neighbours
+    return last.unique, points, vertices, neighbours
 
 
-def _distinct_delaunay(sites: Array, far: Array) -> tuple[Index, Table, Table]:
-    """The first of each coincident sites, and vertices and neighbours of their triangles."""
-    unique = np.arange(len(sites))
+def _distinct_delaunay(points: Array) -> tuple[Index, Array, Table, Table]:
+    """The first of each coincident sites, these and the far points, and vertices and neighbours of their triangles."""
+    unique = np.arange(len(points) - FAR)
     try:
-        table = _delaunay(np.concatenate([sites, far]))
+        table = _delaunay(points)
     except RuntimeError:  # it refuses coincident points; finding them first would cost every call
-        unique = np.sort(np.unique(sites + 0.0, axis=0, return_index=True)[1])
-        table = _delaunay(np.concatenate([sites[unique], far]))
+        unique = np.sort(np.unique(points[:-FAR] + 0.0, axis=0, return_index=True)[1])
+        points = np.concatenate([points[unique], points[-FAR:]])
+        table = _delaunay(points)
     vertices, neighbours = _without_its_own(table["vertices"], table["neighbors"])
-    mending.legal(np.concatenate([sites[unique], far]), vertices, neighbours)
-    return unique, vertices, neighbours
+    mending.legal(points, vertices, neighbours)
+    return unique, points, vertices, neighbours
 
 
 def _delaunay(points: Array) -> Any:
@@ -158,7 +168,7 @@ def _weighted(sites: Array, far: Array, reach: float, weights: Array) -> tuple[I
 
 
 @compiled
-def _begun(vertices: Table, begin: Index, least: Index, count: Index) -> None:
+def _begun(vertices: Table, begin: Numbers, least: Numbers, count: Numbers) -> None:
     for t in range(len(vertices)):
         for k in range(3):
             v = vertices[t, k]
@@ -187,21 +197,29 @@ def _fans(net: Fans, which: Index, start: Index, xy: Array, lo: int, hi: int) ->
 
 
 @compiled
-def _surveyed(net: Fans, lower: Array, upper: Array, areas: Array, lo: int, hi: int) -> None:
-    """Boxes and areas of sites lo to hi, the areas summed about the first corner."""
+def _boxes(net: Fans, lower: Array, upper: Array, lo: int, hi: int) -> None:
     for i in range(lo, hi):
         now = net.begin[i]
-        x, y = net.centres[now, 0], net.centres[now, 1]
-        left, top, right, bottom, area = x, y, x, y, 0.0
-        u = v = 0.0
+        left, top = right, bottom = net.centres[now, 0], net.centres[now, 1]
         for _ in range(net.degree[i] - 1):
             now, _corner = after(net, now, i)
             left, top = min(left, net.centres[now, 0]), min(top, net.centres[now, 1])
             right, bottom = max(right, net.centres[now, 0]), max(bottom, net.centres[now, 1])
+        lower[i, 0], lower[i, 1], upper[i, 0], upper[i, 1] = left, top, right, bottom
+
+
+@compiled
+def _areas(net: Fans, areas: Array, lo: int, hi: int) -> None:
+    """Areas of sites lo to hi, summed about the first corner."""
+    for i in range(lo, hi):
+        now = net.begin[i]
+        x, y = net.centres[now, 0], net.centres[now, 1]
+        u = v = 0.0
+        for _ in range(net.degree[i] - 1):
+            now, _corner = after(net, now, i)
             s, t = net.centres[now, 0] - x, net.centres[now, 1] - y
-            area += (u * t - s * v) / 2
+            areas[i] += (u * t - s * v) / 2
             u, v = s, t
-        lower[i, 0], lower[i, 1], upper[i, 0], upper[i, 1], areas[i] = left, top, right, bottom, area
 
 
 @compiled

@@ -85,8 +85,7 @@ def of_tone(cells: Cells, tone: Tone) -> Moments:
     drawn = np.flatnonzero(np.diff(first))
     corner[drawn] = xy[cells.clipped.start[first[drawn]]]
     if net is not None and len(cells.whole):
-        fans = net.fans._replace(centres=net.centres / (dx, dy))
-        corner[net.unique[cells.whole]] = fans.centres[fans.begin[cells.whole]]
+        corner[net.unique[cells.whole]] = net.centres[net.fans.begin[cells.whole]] / (dx, dy)
     about = np.clip(np.floor(corner, out=corner), 0, np.array(tone.coverage.shape)[::-1] - 1).astype(np.int32)
     for band in _bands(tone):
         shared_out(partial(_edges, band, xy, cells.clipped.start, first, about, sums), n)
@@ -94,9 +93,9 @@ def of_tone(cells: Cells, tone: Tone) -> Moments:
             own = np.zeros(len(net.unique), np.bool_)
             own[cells.whole] = True
             if len(band.prefix) < band.rows:
-                lower, upper, _ = net.surveyed
+                lower, upper = net.boxes()
                 own &= (lower[:, 1] < (band.top + len(band.prefix)) * dy) & (upper[:, 1] >= band.top * dy)
-            shared_out(partial(_fans, band, fans, net.unique, own, about, sums), -(-len(own) // SHARE), 1)
+            shared_out(partial(_fans, band, net.fans, 1 / dx, 1 / dy, net.unique, own, about, sums), -(-len(own) // SHARE), 1)
     mass, centroid, covariance = np.empty(n), np.empty((n, 2)), np.empty((n, 2, 2))
     shared_out(lambda lo, hi: _finished(sums, about, cells.sites, dx, dy, mass, centroid, covariance, lo, hi), n)
     # next to no ink in a corner is rounding of the whole pixels beside it: it may not lead out of the cell
@@ -176,8 +175,11 @@ def _edges(band: Band, xy: Array, start: Index, first: Index, about: Corners, su
 
 
 @compiled
-def _fans(band: Band, net: Fans, unique: Index, own: npt.NDArray[np.bool_], about: Corners, sums: Array, lo: int, hi: int) -> None:
-    """Adds the integrals of cells that are their net's own, in shares lo to hi of the sites.
+def _fans(
+    band: Band, net: Fans, across: float, down: float, unique: Index,
+    own: npt.NDArray[np.bool_], about: Corners, sums: Array, lo: int, hi: int,
+) -> None:  # fmt: skip
+    """Adds the integrals of cells that are their net's own, in shares lo to hi of the sites, of so many pixels a mm across and down.
 
     An edge between two cells of a share is integrated once for both, if sums to its left begin in one block for both. A share is
     of so many sites whatever the number of threads: hence the same sums.
@@ -190,7 +192,8 @@ def _fans(band: Band, net: Fans, unique: Index, own: npt.NDArray[np.bool_], abou
             site, now = unique[i], net.begin[i]
             for _ in range(net.degree[i]):
                 beyond, other = after(net, now, i)
-                x0, y0, x1, y1 = net.centres[now, 0], net.centres[now, 1], net.centres[beyond, 0], net.centres[beyond, 1]
+                x0, y0 = net.centres[now, 0] * across, net.centres[now, 1] * down
+                x1, y1 = net.centres[beyond, 0] * across, net.centres[beyond, 1] * down
                 now = beyond
                 both = low <= other < high and own[other]
                 if both:

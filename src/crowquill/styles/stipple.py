@@ -1,7 +1,8 @@
 """Stippling: dots of ink, evenly spaced, as many as the tone needs, of one size or several (weighted Voronoi stippling).
 
 Some dots begin at equal shares of ink and move to the centroids of their Voronoi cells, weighed by coverage squared so that
-tone is kept; they become four times as many and move on, until there are enough. Of several sizes each dot takes the one nearest to the ink of its cell.
+tone is kept; they become four times as many and move on, until there are enough.
+Of several sizes each dot takes the one nearest to the ink of its cell.
 Source: A. Secord, Weighted Voronoi Stippling, NPAR 2002; O. Deussen, S. Hiller, C. van Overveld,
 T. Strothotte, Floating Points, Eurographics 2000.
 """
