@@ -16,10 +16,10 @@ test: .venv/tested tools-for-tests
 soak: .venv/tested tools-for-tests
 	$(BIN)/python -m pytest -m soak
 
+# Rows, and a page of plots, in bench/out; QUICK=1 takes three minutes, all of it half an hour.
 bench: .venv/tested
-	$(BIN)/python bench/bench.py
-	$(BIN)/python bench/editor.py
-	$(BIN)/python bench/editor_page.py
+	$(BIN)/python bench/bench.py $(if $(QUICK),quick)
+	$(if $(QUICK),,$(BIN)/python bench/batch.py)
 
 gallery: .venv/tested
 	for script in gallery/*.py; do $(BIN)/python $$script || exit 1; done

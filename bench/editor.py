@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from bench import SITES, seconds, shaded
+from common import SITES, seconds, shaded
 from PIL import Image
 from websockets.sync.client import ClientConnection, connect
 

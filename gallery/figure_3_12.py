@@ -23,7 +23,7 @@ def make(tile: float = 1.9) -> Sheet:
     sea = y[..., None] * ((-46, -74, -51),) + (70, 150, 165)
     rgb = np.where((areas == areas[0, 0])[..., None], sea, shell).round().astype(np.uint8)
     spiral = np.clip(1.6 - np.hypot(x - 0.561, y - 0.62) / 0.167, 0, 1)
-    tone = replace(tone, coverage=1 - rgb @ (0.3, 0.59, 0.11) / 255, rgb=rgb, importance=0.5 + 0.5 * spiral)
+    tone = replace(tone, values=1 - rgb @ (0.3, 0.59, 0.11) / 255, rgb=rgb, importance=0.5 + 0.5 * spiral)
 
     layers, (width, height) = [], tone.size
     for k, mode in enumerate(("hausner", "rows", "lloyd", "cells")):

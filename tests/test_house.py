@@ -18,13 +18,15 @@ SOURCE = ROOT / "src" / "crowquill"
 # Who may import whom: a module imports from lines above its own, and from no other module of its line.
 LAYERS = """
 units kernel
-knobs
-paths
+knobs processes
+paths cluster
 heap
-hilbert halftone exact vector picture lettering marks hatching
+levels
+expense greys hilbert
+halftone exact vector picture lettering marks hatching
 regular mending
 circles
-light delaunay frontier
+light footprint delaunay frontier
 tone tracing sheet curves
 cells glyphs raster forme scale plotforms greydots printable inks
 trimming plots strips
@@ -41,8 +43,8 @@ styles formats
 inking
 recipe seen calibration
 making
-judge plate
-preflight
+judge plate delivery
+preflight batch service
 figure editor
 __init__
 options

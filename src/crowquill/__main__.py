@@ -24,7 +24,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Runs the command line and returns its exit code: 0, 2 for what was refused, 130 or 143 when stopped."""
     arguments = sys.argv[1:] if arguments is None else arguments
     try:
-        from crowquill.commands import application, refused
+        from crowquill.commands import Halted, application, refused
 
         try:
             return application(arguments)
@@ -32,6 +32,9 @@ def main(arguments: list[str] | None = None) -> int:
             return refused("not enough memory; use a smaller picture or fewer dots")
         except (ValueError, OSError) as error:
             return refused(error)
+        except Halted as stop:
+            sys.stderr.write(f"crowquill: {stop}\n")
+            return STOPPED
     except KeyboardInterrupt:
         sys.stderr.write("crowquill: stopped; nothing was written\n")
         return STOPPED

@@ -141,7 +141,7 @@ def handed_on(asked: Tone, spent: Array, free: Mask, reach: float) -> Tone:
             some = near > 1e-6
             given = given + sign * room * around(np.where(some, part / np.where(some, near, 1), 0))
             rest = rest - sign * np.where(some, part, 0)
-    return asked.mapped(lambda _: np.clip(given, 0, 1))
+    return asked.holding(np.clip(given, 0, 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +194,7 @@ def _settled(plan: Plan, rows: Rows, reach: float, rng: np.random.Generator, clo
     sites = relax.scatter(tone, plan.dots, rng)
     yield Step("place", 1, 1, {"dots": len(sites)})
     clock.lap("place")
-    banded = tone.mapped(lambda c: c**2 * rows.share(WIDE * rows.pitch))
+    banded = tone.holding(tone.coverage**2 * rows.share(WIDE * rows.pitch))
 
     def lead(state: relax.State) -> Array:
         free = state.moments.centroid

@@ -171,7 +171,7 @@ def _texture(
 
 def _tone(dark: Array, wanted: Array, pixel: tuple[float, float], apart: float, tone: Tone) -> tuple[tuple[ToneError, ...], dict[str, Any]]:
     """How near the drawing comes to its picture, after blurs of several widths."""
-    share = None if tone.is_rectangle else likeness.asked(replace(tone, coverage=np.ones_like(tone.coverage)), dark.shape)
+    share = None if tone.is_rectangle else likeness.asked(replace(tone, values=np.ones_like(tone.coverage)), dark.shape)
     errors = tuple(likeness.tone_error(dark, wanted, pixel, width, within=share) for width in likeness.widths(apart))
     similar, noise = likeness.similarity(dark, wanted, pixel, apart)
     moved = likeness.shift(dark, wanted, pixel, apart)

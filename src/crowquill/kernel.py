@@ -11,7 +11,26 @@ from typing import Any, TypeVar, cast
 import numba
 
 F = TypeVar("F", bound=Callable[..., Any])
-CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+THREADS = "CROWQUILL_THREADS"  # of the environment: how many threads loops take, where not one a core
+
+
+def _cores() -> int:
+    """How many threads a loop is shared out to: as the environment says, or as many as this process has cores."""
+    wish = os.environ.get(THREADS, "")
+    if not wish:
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if not wish.isascii() or not wish.isdigit() or not 0 < int(wish) <= 4096:
+        raise ValueError(f"{THREADS} is {wish!r}; it takes a whole number, 1 to 4096")
+    return int(wish)
+
+
+CORES = _cores()
+
+
+def share(n: int) -> None:
+    """Lets loops take an n-th of the cores from now on, where so many processes or tasks are at work on them."""
+    global CORES
+    CORES = max(1, _cores() // n)
 
 
 def compiled(function: F) -> F:

@@ -96,7 +96,7 @@ def frame(
     tone: Tone, picture: Path, crop: tuple[float, ...] | None = None, max_pixels: int = MAX_PIXELS
 ) -> tuple[float, float, float, float]:
     """The part of a picture that its tone shows, once it was cropped and placed: left, top, width and height as shares of the picture."""
-    whole, (h, w) = shape(picture, max_pixels), tone.coverage.shape
+    whole, (h, w) = shape(picture, max_pixels), tone.shape
     rows, columns = window(whole, (crop[0], crop[1], crop[2], crop[3]) if crop else None)
     top = rows.start + (rows.stop - rows.start - h) // 2  # fit cover keeps the middle
     left = columns.start + (columns.stop - columns.start - w) // 2

@@ -12,6 +12,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from crowquill import curves, finishing, formats, inking, layout, nibs, plotting, recipe, stippling, styles, units
 from crowquill.finishing import Finish
 from crowquill.marks import Marks
@@ -113,7 +115,7 @@ def _timed(wanted: Recipe, tone: Tone) -> dict[str, int]:
 
 def inked(tone: Tone) -> float:
     """The area on which a tone asks for any ink, mm^2."""
-    return float(((tone.coverage > 0) * tone.inside).sum() * tone.pixel[0] * tone.pixel[1]) or 1.0
+    return tone.mapped(lambda c: np.where(c > 0, 1.0, 0.0)).ink or 1.0
 
 
 def plotter(wanted: Recipe) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from crowquill.paths import Array, Index, Paths, frozen
+from crowquill.paths import Array, Index, Paths, fixed, frozen
 
 THIN = 1e-4  # area over the square of the length: below, a shape is a hair, and its area may be rounding
 TURN_STEPS = 65536  # angles are kept to this part of a turn: 1.4e-5 mm at the rim of a 0.3 mm dot
@@ -111,17 +111,20 @@ class Marks:
 
     def take(self, which: Index | npt.NDArray[np.bool_] | slice) -> Marks:
         """The marks at these indices, this mask or slice."""
-        return Marks(self.xy[which], self.angle[which], self.scale[which], self.glyph[which], self.glyphs)
+        xy, angle, scale, glyph = (fixed(column[which]) for column in (self.xy, self.angle, self.scale, self.glyph))
+        return Marks(xy, angle, scale, glyph, self.glyphs)
 
     def moved(self, offset: npt.ArrayLike) -> Marks:
         """All marks moved by offset (2,) mm."""
-        return replace(self, xy=self.xy + np.asarray(offset, np.float64))
+        return replace(self, xy=fixed(self.xy + np.asarray(offset, np.float64)))
 
     def snapped(self) -> Marks:
         """Places and scales in whole micrometres, angles in whole steps: what a file can keep."""
         step = 2 * np.pi / TURN_STEPS
-        turns = np.round(self.angle / step) % TURN_STEPS
-        return replace(self, xy=whole(self.xy), scale=whole(self.scale), angle=turns * step)
+        turns = np.round(self.angle / step)
+        turns %= TURN_STEPS
+        turns *= step
+        return replace(self, xy=fixed(whole(self.xy)), scale=fixed(whole(self.scale)), angle=fixed(turns))
 
     def outlines(self) -> Paths:
         """Every mark's outline at its place, in the order of the marks. Straight and cubic glyphs may not be mixed."""
@@ -157,10 +160,14 @@ def together(parts: list[Marks]) -> Marks:
 
 def columns(xy: npt.ArrayLike, angle: npt.ArrayLike, scale: npt.ArrayLike, kind: npt.ArrayLike) -> tuple[Array, Array, Array, Index]:
     """Columns of things placed at xy (n, 2): angle, scale and kind, each one value for all or (n,)."""
-    points = np.asarray(xy, np.float64).reshape(-1, 2)
-    n = len(points)
-    angles, scales = (np.broadcast_to(np.asarray(values, np.float64), n) for values in (angle, scale))
-    return points, angles, scales, np.broadcast_to(np.asarray(kind, np.int64), n)
+    points = np.asarray(xy, np.float64)
+    points = points if points.ndim == 2 and points.shape[1] == 2 else points.reshape(-1, 2)
+
+    def spread(values: npt.ArrayLike, dtype: Any) -> npt.NDArray[Any]:
+        column = np.asarray(values, dtype)
+        return column if column.shape == points.shape[:1] else np.broadcast_to(column, len(points))
+
+    return points, spread(angle, np.float64), spread(scale, np.float64), spread(kind, np.int64)
 
 
 def freeze_columns(things: Any, kind: str, kinds: int) -> None:

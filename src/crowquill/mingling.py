@@ -107,7 +107,7 @@ def mingled(
     if sum(len(part) > 0 for part in sites) < 2:
         return list(parts)
     every = np.sum([tone.coverage * tone.inside for tone in tones], axis=0)
-    weight = replace(tones[0], coverage=(every / every.max()) ** 2, canvas=canvas, importance=None)
+    weight = replace(tones[0], values=(every / every.max()) ** 2, canvas=canvas, importance=None)
     cuts = np.cumsum([len(part) for part in sites])[:-1]
     turn = GOLDEN * np.arange(sum(map(len, sites)))
     twins = TWINS * np.stack([np.cos(turn), np.sin(turn)], axis=1)

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
+from crowquill import levels
 from crowquill.cells import Cells
 from crowquill.delaunay import Fans, after
 from crowquill.kernel import compiled, shared_out
@@ -18,6 +19,7 @@ from crowquill.tone import BLOCK, Tone
 
 NOTHING = 1e-14  # of the sum of absolute parts: a mass below is rounding, and the cell is without ink
 FAINT = 1e-6  # of that sum: of less than this, rounding may lead the centroid out of the cell
+BAND = 1 << 23  # pixels to a band: sums of 256 MB, and all cells gone over once a band
 SHARE = 4096  # sites to a share of work
 Corners = npt.NDArray[np.int32]
 
@@ -86,7 +88,7 @@ def of_tone(cells: Cells, tone: Tone) -> Moments:
     corner[drawn] = xy[cells.clipped.start[first[drawn]]]
     if net is not None and len(cells.whole):
         corner[net.unique[cells.whole]] = net.centres[net.fans.begin[cells.whole]] / (dx, dy)
-    about = np.clip(np.floor(corner, out=corner), 0, np.array(tone.coverage.shape)[::-1] - 1).astype(np.int32)
+    about = np.clip(np.floor(corner, out=corner), 0, np.array(tone.shape)[::-1] - 1).astype(np.int32)
     for band in _bands(tone):
         shared_out(partial(_edges, band, xy, cells.clipped.start, first, about, sums), n)
         if net is not None and len(cells.whole):
@@ -121,8 +123,13 @@ def _boxes(cells: Cells, which: Index) -> tuple[Array, Array]:
 
 
 def _bands(tone: Tone) -> Iterator[Band]:
-    """The whole picture."""
-    yield Band(tone.prefix, 0, len(tone.coverage))
+    """Sums of the whole picture, which it keeps, or of a large one by bands of rows."""
+    rows, columns = tone.shape
+    if rows * columns < levels.LARGE:
+        yield Band(tone.prefix, 0, rows)
+        return
+    for top, bottom in levels.bands(tone.shape, BAND):
+        yield Band(tone.prefix_of(top, bottom), top, rows)
 
 
 def along(tone: Tone, lines: Array) -> Array:

@@ -25,6 +25,7 @@ from crowquill.tone import Tone
 
 SPAN = (0.6, 1.6)  # smallest and largest dots over a pen that follows the tone: areas of 1 to 7
 ENLARGED = (0.8, 1.25)  # of their own size, beyond which dots no longer look like ink of their nib
+NOTHING = Tone(np.zeros((1, 1)), (1.0, 1.0))
 FULL = 0.9  # of the paper that circles fill when they hardly meet: equal ones at best 0.907
 ROUNDS = 30  # of pushing; measured on mixes of two nibs, more brought nothing
 MIXED = 0.2  # of the way between two nibs' areas in which chance decides; with 0.5 single large dots stood among small ones
@@ -79,28 +80,32 @@ def inked(
 ) -> Generator[Step, None, Sheet]:
     """A Step, and a sheet with a layer of dots for each nib at the sites of a last state, off the plan's white and its gap apart.
 
+    Who lets go of the state and the plan has their memory back before the dots are measured.
+
     chance  one for glyphs and turns, one for sizes
     facts   what else the report is to have; `warnings` are added to the others
     """
     sites, nib, width = _sized(state, plan, tone, nibs, chance[1])
     sites, kept = snapped(sites, tone, plan.white)
-    pens = nibs.mixed or (plan.pen,)
-    batches = [_batch(pen, sites[nib == k], kept[nib == k], width, nibs.fixed, chance[0]) for k, pen in enumerate(pens)]
-    every = together([batch.marks for batch in batches])
-    stay = apart(every, plan.gap)
+    plan = replace(plan, demand=NOTHING, nominal=NOTHING, white=np.zeros((1, 1), bool))
+    moving = {"iterations": state.done, "energy": state.energy, "movement": state.movement}
+    del state
+    pens, removed = nibs.mixed or (plan.pen,), int(len(sites) - kept.sum())
+    parts = ((pen, nib == k) for k, pen in enumerate(pens)) if nibs.mixed else ((plan.pen, slice(None)),)
+    batches = [_batch(pen, sites[part], kept[part], width, nibs.fixed, chance[0]) for pen, part in parts]
+    del sites, nib, kept, width
+    stay = apart(together([batch.marks for batch in batches]), plan.gap)
     batches = [replace(batch, marks=batch.marks.take(part)) for batch, part in zip(batches, _parted(stay, batches), strict=True)]
     yield Step("measure", 0, 1)
-    ink = measure.ink(every.take(stay))
+    ink = measure.ink(together([batch.marks for batch in batches]))
     clock.lap("measure")
     told = found(plan, int(stay.sum()), ink)
     told["warnings"] += facts.pop("warnings", []) + (_enlarged(batches) if nibs.asked else [])
     report = {
         **told,
-        "removed_on_white": int(len(sites) - kept.sum()),
+        "removed_on_white": removed,
         "removed_for_gap": int(len(stay) - stay.sum()),
-        "iterations": state.done,
-        "energy": state.energy,
-        "movement": state.movement,
+        **moving,
         **facts,
         "seconds": clock.laps,
         **_told(batches),

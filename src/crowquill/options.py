@@ -57,6 +57,15 @@ def drawing(style: str, draw: Callable[..., int]) -> Callable[..., int]:
     None, `typed` the names of options given by hand.
     """
     picture = Annotated[Path, typer.Argument(help="The picture: PNG, JPEG, TIFF, WebP, GIF, BMP.", show_default=False, metavar="PICTURE")]
+    out, *rest = inspect.signature(_running, eval_str=True).parameters.values()
+    return styled(style, draw, [_parameter("picture", picture), out], rest)
+
+
+def styled(style: str, draw: Callable[..., int], first: list[inspect.Parameter], rest: list[inspect.Parameter]) -> Callable[..., int]:
+    """A function for Typer to read: parameters that come first, the options of a style, and those of the running.
+
+    It calls draw(wanted, recipe=, typed=, ...) with all others by keyword.
+    """
     taken = typer.Option(
         help="Settings from this TOML; options given here go before.",
         rich_help_panel=RUN,
@@ -66,9 +75,7 @@ def drawing(style: str, draw: Callable[..., int]) -> Callable[..., int]:
     )
     seed = typer.Option(help="Same seed, same drawing.", rich_help_panel=RUN, min=0)
     tables = {table: recipe.takes_of(table, style) for table in TABLES}
-    out, *rest = inspect.signature(_running, eval_str=True).parameters.values()
-    every = [_parameter("picture", picture), out]
-    every += [option(knob, table) for table, takes in tables.items() for knob in takes.values()]
+    every = [*first, *(option(knob, table) for table, takes in tables.items() for knob in takes.values())]
     every += [_parameter("seed", Annotated[int, seed], 0), _parameter("recipe", Annotated[Path | None, taken], None), *rest]
 
     def called(context: typer.Context, **values: Any) -> int:

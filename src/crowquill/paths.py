@@ -23,8 +23,12 @@ _GAUSS = np.polynomial.legendre.leggauss(6)
 
 
 def frozen(values: npt.ArrayLike, dtype: Any, shape: tuple[int | None, ...], name: str) -> npt.NDArray[Any]:
-    """A read-only, finite copy of `values` in the dtype and shape named (None: any length); ValueError otherwise."""
-    array = np.array(values, dtype=dtype)
+    """A read-only, finite copy of `values` in the dtype and shape named (None: any length); ValueError otherwise.
+
+    An array that is read-only and has memory of its own is taken as it is.
+    """
+    own = isinstance(values, np.ndarray) and values.base is None and not values.flags.writeable and values.flags.c_contiguous
+    array = np.array(values, dtype=dtype, copy=None if own else True)
     if array.ndim != len(shape) or any(want not in (None, have) for want, have in zip(shape, array.shape, strict=False)):
         want = " by ".join("n" if side is None else str(side) for side in shape)
         raise ValueError(f"{name} has shape {array.shape}; it takes {want}")
@@ -32,6 +36,13 @@ def frozen(values: npt.ArrayLike, dtype: Any, shape: tuple[int | None, ...], nam
         raise ValueError(f"{name} has a value that is not finite; it takes numbers only")
     array.setflags(write=False)
     return array
+
+
+def fixed(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """An array that nobody else has, read-only from now on, so that frozen() need not copy it; what shows another's memory stays."""
+    if values.base is None:
+        values.setflags(write=False)
+    return values
 
 
 @dataclass(frozen=True, eq=False)

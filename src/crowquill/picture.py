@@ -18,8 +18,14 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
-import numpy.typing as npt
 
+from crowquill import expense
+from crowquill.greys import Bytes as Bytes
+from crowquill.greys import deep, grey
+from crowquill.greys import encoded as encoded  # what pictures mean as light is had from here
+from crowquill.greys import lightness as lightness
+from crowquill.greys import linear as linear
+from crowquill.levels import Levels
 from crowquill.paths import Array
 
 MAX_PIXELS = 200_000_000  # refused from the header above this, before a pixel is decoded
@@ -33,7 +39,6 @@ TAGS = "the picture's tags are damaged; see whether it stands upright"
 _LOCK = threading.Lock()
 File = str | os.PathLike[str] | BinaryIO
 Notes = tuple[str, ...]
-Bytes = npt.NDArray[np.uint8]
 
 
 def decoded(source: File, max_pixels: int = MAX_PIXELS) -> Array:
@@ -42,7 +47,13 @@ def decoded(source: File, max_pixels: int = MAX_PIXELS) -> Array:
 
 
 def read(source: File, max_pixels: int = MAX_PIXELS, *, under: float = 1.0) -> tuple[Array, Notes]:
-    """A picture's grey code values, (h, w) of 0 (black) to 1 (white), upright; and what is to be said of how they were read.
+    """A picture's grey code values, (h, w) of 0 (black) to 1 (white), upright; and what is to be said of how they were read; see `kept`."""
+    levels, notes = kept(source, max_pixels, under=under)
+    return levels.whole(), notes
+
+
+def kept(source: File, max_pixels: int = MAX_PIXELS, *, under: float = 1.0) -> tuple[Levels, Notes]:
+    """The same in the depth of the file: greys of 8 and 16 bits stay codes, of a byte or two a pixel.
 
     Colours are weighed by their luminance in linear light and encoded again. `under` is the code value on which
     transparent pixels lie, in linear light. Floats, and whole numbers of 32 bits, have no white of their own: they are scaled
@@ -51,8 +62,8 @@ def read(source: File, max_pixels: int = MAX_PIXELS, *, under: float = 1.0) -> t
     with _opened(source, max_pixels) as (image, notes):
         inverse = _counts_ink(image)
         image, more = _in_srgb(image)
-        grey = _grey(image, 1 - under if inverse else under)
-        return 1 - grey if inverse else grey, notes + more
+        levels = grey(image, 1 - under if inverse else under)
+        return levels.mapped(lambda code: 1 - code) if inverse else levels, notes + more
 
 
 def colours(source: File, max_pixels: int = MAX_PIXELS) -> tuple[Bytes, bool]:
@@ -62,18 +73,29 @@ def colours(source: File, max_pixels: int = MAX_PIXELS) -> tuple[Bytes, bool]:
     """
     with _opened(source, max_pixels) as (image, _):
         clear = bool(image.has_transparency_data)
-        if not _deep(image):
+        if not deep(image):
             return np.asarray(_in_srgb(image)[0].convert("RGBA")), clear
         inverse = _counts_ink(image)
-        grey = (255 * _grey(image, 1.0)).round().astype(np.uint8)
-        solid = _grey(image, 0.0) == _grey(image, 1.0) if clear else np.ones(grey.shape, bool)
-        return np.stack([*[255 - grey if inverse else grey] * 3, solid * np.uint8(255)], axis=2), clear
+        codes = (255 * grey(image, 1.0).whole()).round().astype(np.uint8)
+        solid = grey(image, 0.0).whole() == grey(image, 1.0).whole() if clear else np.ones(codes.shape, bool)
+        return np.stack([*[255 - codes if inverse else codes] * 3, solid * np.uint8(255)], axis=2), clear
 
 
 def shape(source: File, max_pixels: int = MAX_PIXELS) -> tuple[int, int]:
     """Rows and columns of a picture once it stands upright."""
     with _opened(source, max_pixels) as (image, _):
         return image.height, image.width
+
+
+def pixels(source: File) -> int:
+    """How many pixels a picture says that it has, before one is decoded; 0 where it cannot be read."""
+    from PIL import Image
+
+    try:
+        with _LOCK, _begun(Image, source) as image:
+            return int(image.width * image.height)
+    except (SyntaxError, EOFError, OSError, MemoryError, TypeError, ArithmeticError, LookupError, struct.error, ValueError):
+        return 0
 
 
 def window(shape: tuple[int, ...], crop: tuple[float, float, float, float] | None) -> tuple[slice, slice]:
@@ -111,7 +133,7 @@ def _opened(source: File, max_pixels: int) -> Iterator[tuple[Any, Notes]]:
     except UnidentifiedImageError:
         raise ValueError(f"{name}: not a picture that can be read; give one of {', '.join(FORMATS)}") from None
     except (SyntaxError, EOFError, OSError, MemoryError, TypeError, ArithmeticError, LookupError, struct.error, ValueError) as error:
-        if (isinstance(error, OSError) and error.filename) or str(error).startswith(f"{name}: "):
+        if (isinstance(error, OSError) and error.filename) or str(error).startswith((f"{name}: ", expense.SETTING)):
             raise
         raise ValueError(f"{name}: the picture is broken ({' '.join(str(error).split())}); save it again") from None
 
@@ -122,11 +144,7 @@ def _loaded(source: File, name: str, max_pixels: int) -> tuple[Any, Notes]:
 
     with _LOCK, warnings.catch_warnings(record=True) as said:  # Pillow's limit and the warnings are one for all of a program
         warnings.simplefilter("always")
-        limit, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None  # below ours
-        try:
-            image = Image.open(source, formats=FORMATS)
-        finally:
-            Image.MAX_IMAGE_PIXELS = limit
+        image = _begun(Image, source)
         try:
             w, h = image.size
             if w * h == 0:
@@ -136,6 +154,8 @@ def _loaded(source: File, name: str, max_pixels: int) -> tuple[Any, Notes]:
                     f"{name}: {w} x {h} pixels are over the limit of {_told(max_pixels)}; "
                     f"make it smaller, or raise the limit with --max-pixels {w * h}"
                 )
+            depth = 1 if image.mode in ("1", "L", "P") else 2 if image.mode.startswith("I;16") else 4
+            expense.afford(w * h * (depth + min(depth, 2)), f"{name}: {w} x {h} pixels take", "make it smaller")
             image.load()
             damaged = False
             try:
@@ -149,6 +169,15 @@ def _loaded(source: File, name: str, max_pixels: int) -> tuple[Any, Notes]:
     return image, (TAGS,) if damaged else ()
 
 
+def _begun(pillow: Any, source: File) -> Any:
+    """The image of which only the header is read; Pillow's own limit is below ours, and set aside."""
+    limit, pillow.MAX_IMAGE_PIXELS = pillow.MAX_IMAGE_PIXELS, None
+    try:
+        return pillow.open(source, formats=FORMATS)
+    finally:
+        pillow.MAX_IMAGE_PIXELS = limit
+
+
 def _told(pixels: int) -> str:
     """A number of pixels, in millions where it is one."""
     return f"{pixels / 1e6:g} million" if pixels >= 1e6 else str(pixels)
@@ -157,11 +186,6 @@ def _told(pixels: int) -> str:
 def _counts_ink(image: Any) -> bool:
     """Whether a TIFF's numbers rise with ink (photometric 0), which Pillow turns round for 8 bits alone."""
     return image.format == "TIFF" and image.tag_v2.get(262) == 0 and image.mode not in ("1", "L", "P")
-
-
-def _deep(image: Any) -> bool:
-    """Whether the image has more than 8 bits a colour once it is decoded."""
-    return image.mode in ("F", "I") or image.mode.startswith("I;16")
 
 
 def _in_srgb(image: Any) -> tuple[Any, Notes]:
@@ -173,7 +197,7 @@ def _in_srgb(image: Any) -> tuple[Any, Notes]:
         return _followed(image, ImageCms.createProfile("LAB"), "LAB"), ()
     if not data or image.mode == "1":  # black and white are so in any profile
         return (image.convert("RGB"), (INKS,)) if image.mode == "CMYK" else (image, ())
-    grey = _deep(image) or image.mode in ("L", "LA", "La")
+    grey = deep(image) or image.mode in ("L", "LA", "La")
     space = ""
     try:
         profile = ImageCms.ImageCmsProfile(io.BytesIO(data))
@@ -234,59 +258,9 @@ def _greys_followed(image: Any, ramp: Bytes) -> tuple[Any, Notes]:
 
     if not _differs(ramp, np.arange(256, dtype=np.uint8)):
         return image, ()
-    if _deep(image):
+    if deep(image):
         return image, (DEEP,)
     if not image.has_transparency_data:
         return image.point(ramp.tolist()), ()
     light, alpha = image.convert("LA").split()
     return Image.merge("LA", (light.point(ramp.tolist()), alpha)), ()
-
-
-def _grey(image: Any, under: float) -> Array:
-    """Code values 0 to 1 of a Pillow image, its transparent pixels over a code value."""
-    if _deep(image):
-        with np.errstate(invalid="ignore"):  # a signalling NaN is one like any other
-            values = np.asarray(image).astype(np.float64)
-        if image.mode == "I" and values.min(initial=0) < 0:
-            values[values < 0] += 2.0**32  # Pillow reads unsigned numbers as signed ones
-        if image.mode != "F" and values.max(initial=0) <= 65535:
-            clear = values == image.info.get("transparency", -1)
-            return np.where(clear, under, values / 65535)
-        finite = values[np.isfinite(values)]
-        low, high = (finite.min(), finite.max()) if finite.size else (0.0, 0.0)
-        if high == low:
-            low, high = 0.0, max(high, 1.0)
-        with np.errstate(invalid="ignore"):
-            return np.where(np.isnan(values), under, np.clip((values - low) / (high - low), 0, 1))
-    if image.mode in ("1", "L") and "transparency" not in image.info:
-        return np.asarray(image.convert("L")) / 255.0
-    return luminance(np.asarray(image.convert("RGBA")), under)
-
-
-def luminance(rgba: Bytes, under: float = 1.0) -> Array:
-    """Code values of the luminance (Rec. 709) of pixels (h, w, 4) over a code value, a band of rows at a time."""
-    light_of = linear(np.arange(256) / 255)
-    ground = float(linear(np.array(under)))
-    code = np.empty(rgba.shape[:2])
-    for top in range(0, len(rgba), 256):
-        band = rgba[top : top + 256]
-        light = sum(weight * light_of[band[..., k]] for k, weight in enumerate((0.2126, 0.7152, 0.0722)))
-        alpha = band[..., 3] / 255
-        # to nine digits: the three weights sum to 1 but for the last, and white is to be white
-        code[top : top + 256] = np.round(encoded(np.clip(light * alpha + (1 - alpha) * ground, 0, 1)), 9)
-    return code
-
-
-def linear(code: Array) -> Array:
-    """Light of sRGB code values, both 0 to 1 (IEC 61966-2-1)."""
-    return np.where(code <= 0.04045, code / 12.92, ((code + 0.055) / 1.055) ** 2.4)
-
-
-def encoded(light: Array) -> Array:
-    """sRGB code values of light, both 0 to 1 (IEC 61966-2-1)."""
-    return np.where(light <= 0.0031308, light * 12.92, 1.055 * light ** (1 / 2.4) - 0.055)
-
-
-def lightness(light: Array) -> Array:
-    """CIE L* of light 0 to 1, itself 0 to 100."""
-    return np.where(light <= 216 / 24389, light * 24389 / 27, 116 * np.cbrt(light) - 16)

@@ -84,17 +84,19 @@ def scatter(tone: Tone, n: int, rng: np.random.Generator, how: str = "even") -> 
         return _by_levels(tone, n, rng)
     if how in METHODS and how != "random":
         return _halftoned(tone, n, how, rng)
-    split = int(np.ceil(np.sqrt(max(1.0, PIXELS_A_SITE * n / tone.coverage.size))))
-    if split > 1:
+    split = int(np.ceil(np.sqrt(max(1.0, PIXELS_A_SITE * n / np.prod(tone.shape)))))
+    if split > 1 and not (how == "even" and tone.is_rectangle):
         finer: Array = np.kron(tone.coverage, np.ones((split, split))).astype(np.float64)
-        tone = Tone(finer, tone.size, tone.canvas)
-    ink = tone.coverage * tone.inside
-    order = hilbert.of_grid(*ink.shape) if how == "even" else np.arange(ink.size)
-    total = np.cumsum(ink.ravel()[order])
-    draws = (np.arange(n) + rng.random(n)) / n if how == "even" else rng.random(n)
-    found = np.searchsorted(total, np.minimum(draws * total[-1], np.nextafter(total[-1], 0)), side="right")
-    row, column = np.divmod(order[found], ink.shape[1])
-    return _placed(tone, np.stack([column, row], axis=1), np.array(tone.pixel), rng)
+        tone, split = Tone(finer, tone.size, tone.canvas), 1
+    ink = tone.inked
+    if how == "even":
+        place = hilbert.passed(ink, (np.arange(n) + rng.random(n)) / n, split)
+    else:
+        total = np.cumsum(ink.whole().ravel())
+        found = np.searchsorted(total, np.minimum(rng.random(n) * total[-1], np.nextafter(total[-1], 0)), side="right")
+        place = np.stack(np.divmod(found, ink.shape[1])[::-1], axis=1)
+    size = tone.size[0] / (ink.shape[1] * split), tone.size[1] / (ink.shape[0] * split)
+    return _placed(tone, place, np.array(size), rng)
 
 
 def _by_levels(tone: Tone, n: int, rng: np.random.Generator) -> Array:
@@ -105,23 +107,23 @@ def _by_levels(tone: Tone, n: int, rng: np.random.Generator) -> Array:
     level = _coarser(tone, wanted[0]) if wanted[1:] else tone
     sites = scatter(level, wanted[0], rng)
     for done, count in enumerate(wanted[1:] or [0]):
-        states = _states(sites, level, level.mapped(np.square), STEP, level.coverage == 0)
+        states = _states(sites, level, level.mapped(np.square), STEP, level.levels.where(lambda c: c == 0))
         state = next(islice(states, LEVELS[min(done, 1)], None))
         if not count:
             return state.sites
-        level = _coarser(tone, count) if count < n else tone
+        level = _coarser(tone, count) if count < n else tone.holding(tone.levels)
         sites = refining.refined(state.cells, level, count, rng)
     return sites
 
 
 def _coarser(tone: Tone, n: int) -> Tone:
     """The tone on fewer pixels, where it has many more than n sites need."""
-    h, w = tone.coverage.shape
+    h, w = tone.shape
     over = int(np.sqrt(h * w / (PIXELS_ENOUGH * n)))
     if over < 2:
-        return tone
+        return tone.holding(tone.levels)  # whose sums go with it
     rows, columns = -(-h // over), -(-w // over)
-    fewer = averaged(tone.coverage, np.linspace(0, w, columns + 1), np.linspace(0, h, rows + 1))
+    fewer = averaged(tone.levels, np.linspace(0, w, columns + 1), np.linspace(0, h, rows + 1))
     return Tone(np.clip(fewer, 0, 1), tone.size, tone.canvas)
 
 
@@ -155,8 +157,8 @@ def lloyd(
     if not 0 <= exponent <= 4:
         raise ValueError(f"exponent {exponent} is outside 0 to 4")
     refused = None if banned is None else np.asarray(banned, bool)
-    if refused is not None and refused.shape != tone.coverage.shape:
-        raise ValueError(f"banned has shape {refused.shape}; it takes the tone's {tone.coverage.shape}")
+    if refused is not None and refused.shape != tone.shape:
+        raise ValueError(f"banned has shape {refused.shape}; it takes the tone's {tone.shape}")
     weight = tone.mapped(lambda coverage: coverage**exponent)
     return _states(frozen(sites, np.float64, (None, 2), "sites"), tone, weight, step, refused, lead)
 

@@ -39,7 +39,7 @@ class Parted:
 def parted(tone: Tone, dark_from: float, dot: float) -> Parted:
     """The tone parted where its coverage, seen through a blur of half a dot, which is so many mm wide, passes `dark_from`."""
     sigma = [SEEN * dot / side for side in reversed(tone.pixel)]
-    seen = replace(tone, coverage=np.clip(gaussian_filter(tone.coverage, sigma, mode="nearest"), 0, 1))
+    seen = replace(tone, values=np.clip(gaussian_filter(tone.coverage, sigma, mode="nearest"), 0, 1))
     found = darks.ground(seen, (dark_from, dark_from), dot, np.random.default_rng(0)).whole  # no chance between two that are one
     area = _without_specks(found, LEAST * dot**2)
     return Parted(_on(tone, shapely.difference(tone.canvas, area)), _on(tone.mapped(lambda c: 1 - c), area), area)

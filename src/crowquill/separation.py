@@ -243,7 +243,7 @@ def _straight(cube: Array, places: Array, shares: Array, lo: int, hi: int) -> No
 def _judged(tone: Tone, shares: Array, taken: Array, wanted: Array, least: float, apart: bool) -> Separation:
     """The tones of shares (h, w, n), and how far their mixture is from the light wanted at some pixels."""
     error = np.abs(mixed(_some(tone, shares), taken, apart=apart) - wanted)
-    tones = tuple(replace(tone, coverage=part, rgb=None) for part in np.moveaxis(shares, 2, 0))
+    tones = tuple(replace(tone, values=part, rgb=None) for part in np.moveaxis(shares, 2, 0))
     return Separation(tones, float(error.mean()), float((error.max(axis=1) > FAR).mean()), least)
 
 

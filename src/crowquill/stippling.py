@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from crowquill import relax
+from crowquill.expense import Clock as Clock  # of styles
+from crowquill.expense import expected_seconds as expected_seconds
+from crowquill.levels import Levels
 from crowquill.marks import Glyph, Marks
-from crowquill.paths import Array
+from crowquill.paths import Array, fixed
 from crowquill.sheet import Step
 from crowquill.tone import Tone
 
 PEN = 0.3  # mm, the commonest technical pen
+REACH = 3.0  # standard deviations that a blur goes to
 CAP = 0.97  # coverage that overlapping dots still reach with a fifth more ink than paper
 
 # Coverage that relaxed dots of the shipped libraries really give when their areas sum to this share of
@@ -53,41 +55,14 @@ class Plan:
     gap: float
 
 
-class Clock:
-    """Seconds by stage."""
-
-    def __init__(self) -> None:
-        self.laps: dict[str, float] = {}
-        self._last = time.perf_counter()
-
-    def lap(self, stage: str) -> None:
-        """Ends a stage; what it took is added to its earlier rounds."""
-        now = time.perf_counter()
-        self.laps[stage] = round(self.laps.get(stage, 0.0) + now - self._last, 3)
-        self._last = now
-
-
-def expected_seconds(dots: int, iterations: int) -> float:
-    """About how long a drawing will take here, from one small triangulation timed now and the ratios that bench/ prints."""
-    from scipy.spatial import Delaunay
-
-    sites = np.random.default_rng(0).random((5000, 2))
-    began = time.perf_counter()
-    Delaunay(sites)
-    unit = 20 * (time.perf_counter() - began)  # about the time of 100 000 sites
-    return round(unit * dots / 100_000 * (0.35 * (iterations + 1) + 3) + 1, 1)
-
-
 def cut_white(tone: Tone, white: float, rule: str = "before") -> tuple[Tone, npt.NDArray[np.bool_]]:
     """The tone that is asked for, and the pixels that must stay free: those below the cutoff.
 
     By the rule "before" nothing is asked of them; by "after" what is there is drawn, and removed at the end.
     """
-    blank = tone.coverage < white
     if rule != "before":
-        return tone, blank
-    asked = tone.mapped(lambda c: np.where(blank, 0.0, c))
-    return asked, blank | (asked.coverage == 0)
+        return tone, tone.levels.where(lambda c: c < white)
+    return tone.mapped(lambda c: np.where(c < white, 0.0, c)), tone.levels.where(lambda c: (c < white) | (c == 0))
 
 
 def widest(tone: Tone, pen: float | None, default: float) -> float:
@@ -135,7 +110,8 @@ def planned(
     demand = crowd if wish is None else _shared_out(crowd, wish)
     moved = wish is not None and bool(np.ptp(wish[crowd.coverage > 0]) > 0)
     demand, nominal = (replace(part, importance=None) for part in (demand, nominal))
-    return Plan(demand, nominal, blank, tone.mapped(lambda c: np.where(blank, 0.0, c)).ink, mean, span[1] * width, wanted, moved, min_gap)
+    drawn = asked.ink if white_rule == "before" else cut_white(tone, white)[0].ink
+    return Plan(demand, nominal, blank, drawn, mean, span[1] * width, wanted, moved, min_gap)
 
 
 def importance(tone: Tone) -> Array | None:
@@ -164,9 +140,18 @@ def _nominal(asked: Tone, pen: float, span: tuple[float, float], gap: float, ren
         asked = asked.mapped(lambda c: c / (1 + c * (1 / cap - 1)))
     around = pen * float(np.sqrt((span[0] ** 2 + span[1] ** 2) / 2))
     sigma = [around / side for side in reversed(asked.pixel)]
-    near = np.clip(gaussian_filter(np.minimum(asked.coverage, cap), sigma, mode="nearest", truncate=3.0), 1e-6, cap)
-    swell = np.interp(near, rendered, NOMINAL) / near
-    nominal = asked.mapped(lambda c: np.clip(np.minimum(c, cap) * swell / NOMINAL[-1], 0, 1))
+    margin = int(REACH * sigma[0] + 0.5)  # rows that the blur looks at
+
+    def rows(top: int, bottom: int) -> Array:
+        first = max(0, top - margin)
+        c = np.minimum(asked.levels.rows(first, bottom + margin), cap)
+        own = slice(top - first, bottom - first)
+        near = np.clip(gaussian_filter(c, sigma, mode="nearest", truncate=REACH)[own], 1e-6, cap)
+        swell = np.interp(near, rendered, NOMINAL) / near
+        found: Array = np.clip(c[own] * swell / NOMINAL[-1], 0, 1)
+        return found
+
+    nominal = asked.holding(Levels.filled(asked.shape, rows))
     return nominal, float(np.interp(cap, rendered, NOMINAL)) / NOMINAL[-1]
 
 
@@ -184,17 +169,21 @@ def _crowded(nominal: Tone, top: float, span: tuple[float, float]) -> tuple[Tone
     if span[0] == span[1]:
         return nominal, 1.0
     least, wish = (span[0] / span[1]) ** 2, importance(nominal)
-    area = (least + (1 - least) * nominal.coverage / top) / (1.0 if wish is None else wish**2)
-    density = nominal.coverage / np.clip(area, least, 1)
-    peak = max(1.0, float(density.max()))
-    return nominal.mapped(lambda _: density / peak), peak
+
+    def dense(c: Array, finer: Array | float = 1.0) -> Array:
+        part: Array = np.clip((least + (1 - least) * c / top) / finer, least, 1)
+        return c / part
+
+    density = nominal.levels.mapped(dense) if wish is None else Levels(dense(nominal.coverage, wish**2))
+    peak = max(1.0, density.most)
+    return nominal.holding(density.mapped(lambda d: d / peak)), peak
 
 
 def _shared_out(demand: Tone, wish: Array) -> Tone:
     """The same dots in all, more where they are wished for: demand times wish times a number, no more than can be placed."""
     most, scale, shared = demand.ink, 1.0, demand
     for _ in range(50):
-        shared = demand.mapped(partial(lambda scale, c: np.minimum(1, c * wish * scale), scale))
+        shared = demand.holding(np.minimum(1, demand.coverage * wish * scale))
         if abs(shared.ink - most) <= 1e-6 * most:
             break
         scale *= most / shared.ink
@@ -261,13 +250,13 @@ def dotted(sites: Array, glyphs: tuple[Glyph, ...], diameter: float | Array, rng
 
     diameter  one for all, about which true diameters keep their spread; or (n,) mm, which are kept to
     """
-    glyph = rng.permutation(np.arange(len(sites)) % len(glyphs))  # each as often as any other
+    glyph = fixed(rng.permutation(np.arange(len(sites)) % len(glyphs)))  # each as often as any other
     spread: Array | float = 1.0
     if isinstance(diameter, float) and len(sites):
         sizes = np.array([glyph.size for glyph in glyphs])[glyph]
         spread = sizes / np.sqrt((sizes**2).mean())
-    scale = diameter * np.sqrt(np.pi) / 2 * spread
-    return Marks.of(sites, glyphs, scale=scale, angle=rng.uniform(0, 2 * np.pi, len(sites)), glyph=glyph)
+    scale = np.asarray(diameter * np.sqrt(np.pi) / 2 * spread)
+    return Marks.of(sites, glyphs, scale=fixed(scale), angle=fixed(rng.uniform(0, 2 * np.pi, len(sites))), glyph=glyph)
 
 
 def apart(marks: Marks, gap: float) -> npt.NDArray[np.bool_]:

@@ -11,13 +11,14 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from crowquill import light
+from crowquill import footprint, light
+from crowquill.footprint import touched as touched  # by cells
+from crowquill.levels import BLOCK as BLOCK  # whose sums these are
+from crowquill.levels import Levels
 from crowquill.light import TONES, Source
 from crowquill.paths import Array, frozen
-from crowquill.picture import MAX_PIXELS, File, read, window
+from crowquill.picture import MAX_PIXELS, File, kept, window
 
-BLOCK = 64  # columns to a block of prefix sums; see Tone.prefix
-TILE = 32  # pixels: the side of the pieces in which a canvas's outline is cut to pixels
 FITS = ("contain", "cover", "stretch")
 WIDTH = 180.0  # mm of a picture of which nothing is said: A4 less its margins
 
@@ -26,7 +27,7 @@ WIDTH = 180.0  # mm of a picture of which nothing is said: A4 less its margins
 class Tone:
     """Coverage on a rectangle: pixel (r, c) of (h, w) covers a rectangle of `size`, not a lattice point.
 
-    coverage    (h, w) share of paper to be covered by ink, 0 to 1
+    values      (h, w) share of paper to be covered by ink, 0 to 1, as an array or as Levels; see `coverage` and `levels`
     size        (width, height) mm
     canvas      shapely Polygon or MultiPolygon in mm, origin top left, y down; None for the whole rectangle
     importance  (h, w) of 0 to 1: 1 is what matters most, one half neither more nor less than others; None for no wish
@@ -34,7 +35,7 @@ class Tone:
     rgb         (h, w, 3) its colours as sRGB code values of 0 to 255, where they were asked for
     """
 
-    coverage: Array
+    values: npt.ArrayLike | Levels
     size: tuple[float, float]
     canvas: shapely.Geometry | None = None
     importance: Array | None = None
@@ -42,21 +43,18 @@ class Tone:
     rgb: npt.NDArray[np.uint8] | None = None
 
     def __post_init__(self) -> None:
-        coverage = frozen(self.coverage, np.float64, (None, None), "coverage")
-        if coverage.size == 0:
-            raise ValueError("coverage has no pixels; it takes at least one")
-        importance = None if self.importance is None else frozen(self.importance, np.float64, coverage.shape, "importance")
-        for name, values in (("coverage", coverage), ("importance", importance)):
-            if values is not None and not 0 <= values.min() <= values.max() <= 1:
-                raise ValueError(f"{name} runs from {values.min():g} to {values.max():g}; it takes 0 to 1")
+        levels = Levels.of(self.values)
+        importance = None if self.importance is None else frozen(self.importance, np.float64, levels.shape, "importance")
+        if importance is not None:
+            Levels(importance).check("importance")
         width, height = (float(side) for side in self.size)
         if not (0 < width < np.inf and 0 < height < np.inf):
             raise ValueError(f"size {self.size} mm has no area; both sides must be over 0")
         sheet = shapely.box(0, 0, width, height)
         canvas = sheet if self.canvas is None else _canvas(self.canvas, sheet)
         shapely.prepare(canvas)
-        rgb = None if self.rgb is None else frozen(self.rgb, np.uint8, (*coverage.shape, 3), "rgb")
-        kept = {"coverage": coverage, "size": (width, height), "canvas": canvas, "importance": importance, "rgb": rgb}
+        rgb = None if self.rgb is None else frozen(self.rgb, np.uint8, (*levels.shape, 3), "rgb")
+        kept = {"values": levels, "size": (width, height), "canvas": canvas, "importance": importance, "rgb": rgb}
         for name, value in {**kept, "notes": tuple(self.notes)}.items():
             object.__setattr__(self, name, value)
 
@@ -112,42 +110,56 @@ class Tone:
             raise ValueError(f"local contrast is {local_contrast}; it takes 0 to 1")
         notes: tuple[str, ...] = ()
         if light.is_file(source):
-            whole, notes = read(cast(File, source), max_pixels)
-            part = window(whole.shape, crop)
-            coverage = light.coverage(whole[part], tone, black_point, white_point)
+            code, notes = kept(cast(File, source), max_pixels)
+            part = window(code.shape, crop)
+            whole, levels = code.shape, light.coverage(code.cut(*part), tone, black_point, white_point)
         else:
             if black_point is not None or white_point is not None:
                 raise ValueError("an array is coverage itself and has no black or white point; leave them out")
-            whole = np.asarray(source, np.float64)
-            if whole.ndim != 2 or whole.size == 0:
-                raise ValueError(f"an array of shape {whole.shape} is no coverage; give (rows, columns), at least one of each")
-            part = window(whole.shape, crop)
-            coverage = whole[part]
+            given = np.asarray(source, np.float64)
+            if given.ndim != 2 or given.size == 0:
+                raise ValueError(f"an array of shape {given.shape} is no coverage; give (rows, columns), at least one of each")
+            part = window(given.shape, crop)
+            whole, levels = given.shape, Levels(frozen(given[part], np.float64, (None, None), "coverage"))
 
-        def changed(coverage: Array) -> Array:
-            if local_contrast:
-                coverage = light.sharpened(coverage, local_contrast)
-            coverage = 1 - coverage if invert else coverage
-            return coverage if gamma == 1 else coverage**gamma
+        def changed(levels: Levels) -> Levels:
+            levels = light.sharpened(levels, local_contrast) if local_contrast else levels
+            levels = levels.mapped(lambda value: 1 - value) if invert else levels
+            return levels if gamma == 1 else levels.mapped(lambda value: value**gamma)
 
-        coverage = changed(coverage)
-        h, w = coverage.shape
+        levels = changed(levels).spread()
+        h, w = levels.shape
         wish = None
         if importance is not None:
-            wish, more = light.wished(importance, whole.shape, part, max_pixels)
+            wish, more = light.wished(importance, whole, part, max_pixels)
             notes += tuple(f"importance: {note}" for note in more)
         rgb = light.on_white(cast(File, source), part, max_pixels) if colour and light.is_file(source) else None
         if rgb is not None and toned:
             rgb = light.toned(rgb, tone, black_point, white_point, changed)
         elif rgb is not None and invert:
             rgb = 255 - rgb
-        loaded = cls(coverage, (WIDTH, WIDTH * h / w), importance=wish, notes=notes, rgb=rgb).fitted(width, height, fit)
+        loaded = cls(levels, (WIDTH, WIDTH * h / w), importance=wish, notes=notes, rgb=rgb).fitted(width, height, fit)
         return loaded if canvas is None else replace(loaded, canvas=canvas)
 
     @property
     def pixel(self) -> tuple[float, float]:
         """Width and height of a pixel in mm."""
-        return self.size[0] / self.coverage.shape[1], self.size[1] / self.coverage.shape[0]
+        return self.size[0] / self.shape[1], self.size[1] / self.shape[0]
+
+    @property
+    def levels(self) -> Levels:
+        """Coverage by pixel, as it is kept: pictures of LARGE and more as codes, of which a band of rows is had at a time."""
+        return cast(Levels, self.values)
+
+    @property
+    def coverage(self) -> Array:
+        """(h, w): all of it; where codes are kept, made anew at each call."""
+        return self.levels.whole()
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of pixels."""
+        return self.levels.shape
 
     @property
     def across(self) -> float:
@@ -155,9 +167,16 @@ class Tone:
         return float(np.diff(np.array(shapely.bounds(self.canvas)).reshape(2, 2), axis=0).min())
 
     @property
+    def inked(self) -> Levels:
+        """The share of each pixel's own area that is asked to be ink inside the canvas, (h, w)."""
+        if self.is_rectangle:
+            return self.levels
+        return Levels.filled(self.shape, lambda top, bottom: self.levels.rows(top, bottom) * self.within.rows(top, bottom))
+
+    @cached_property
     def ink(self) -> float:
         """The area of ink asked for inside the canvas, mm^2."""
-        return float((self.coverage * self.inside).sum() * self.pixel[0] * self.pixel[1])
+        return self.inked.sum() * self.pixel[0] * self.pixel[1]
 
     @cached_property
     def is_rectangle(self) -> bool:
@@ -165,40 +184,33 @@ class Tone:
         return bool(shapely.equals(self.canvas, shapely.box(0, 0, *self.size)))
 
     @cached_property
+    def within(self) -> Levels:
+        """The share of each pixel that lies in the canvas, exact, or to half a code where coverage is kept as codes."""
+        whole = Levels(np.broadcast_to(1.0, self.shape))
+        return whole if self.is_rectangle else footprint.shares(self.canvas, self.shape, self.pixel)
+
+    @property
     def inside(self) -> Array:
-        """The share of each pixel that lies in the canvas, (h, w), exact."""
-        (h, w), (dx, dy) = self.coverage.shape, self.pixel
-        if self.is_rectangle:
-            return frozen(np.ones((h, w)), np.float64, (h, w), "inside")
-        left, top = np.meshgrid(np.arange(w) * dx, np.arange(h) * dy)
-        share = shapely.contains_xy(self.canvas, left + dx / 2, top + dy / 2).astype(np.float64)
-        edge = touched(self.canvas, (0.0, 0.0), (dx, dy), (h, w))
-        # the canvas is cut into tiles first: an outline of thousands of corners would be walked for each pixel
-        tile, tiles = np.unique(np.stack(np.nonzero(edge), axis=1) // TILE, axis=0, return_inverse=True)
-        y, x = tile.T * TILE
-        parts = shapely.intersection(shapely.box(x * dx, y * dy, (x + TILE) * dx, (y + TILE) * dy), self.canvas)
-        boxes = shapely.box(left[edge], top[edge], left[edge] + dx, top[edge] + dy)
-        share[edge] = shapely.area(shapely.intersection(boxes, parts[tiles.ravel()])) / (dx * dy)
-        return frozen(share, np.float64, (h, w), "inside")
+        """The same as numbers, (h, w)."""
+        return self.within.whole()
 
     @cached_property
     def prefix(self) -> Array:
-        """(h, w, 4): for each pixel the sums of coverage times 1, x, x^2 over the pixels before it, and its coverage.
-
-        The sums run within a block of 64 columns and x counts pixels from the block's left
-        edge: over whole rows the second sums grow to 1e10 and leave a cell's covariance no digits.
-        """
-        h, w = self.coverage.shape
-        table = np.zeros((h, w, 4))
-        table[:, :, 3] = self.coverage
-        i = np.arange(w) % BLOCK
-        for p in range(3):
-            part = self.coverage * (((i + 1.0) ** (p + 1) - i ** float(p + 1)) / (p + 1))
-            for left in range(0, w, BLOCK):
-                right = min(left + BLOCK, w)
-                table[:, left + 1 : right, p] = np.cumsum(part[:, left : right - 1], axis=1)
+        """(h, w, 4): sums of coverage by row, as prefix_of() has them, for all rows: 32 bytes a pixel, kept with the tone."""
+        table = self.prefix_of(0, self.shape[0])
         table.setflags(write=False)
         return table
+
+    def prefix_of(self, top: int, bottom: int) -> Array:
+        """(bottom - top, w, 4): the rows from top to bottom of `prefix`, bit for bit, made for this call by all cores.
+
+        For each pixel the sums of coverage times 1, x, x^2 over the pixels before it in its block, and its coverage; see
+        Levels.sums. Rows past the last are left out. Each row is by itself, so that any band gives the same numbers: what
+        goes along a picture of LARGE pixels and more takes sites in the order of the first row of their cells, as many at a
+        time as lie within some rows, and asks for the rows from the first to the last that these cells touch. Whole cells
+        give the same sums, bit for bit, as with the whole of `prefix`.
+        """
+        return self.levels.sums(top, bottom)
 
     def fitted(self, width: float | None = None, height: float | None = None, fit: str = "contain") -> Tone:
         """The same picture at another size in mm; its canvas goes with it.
@@ -211,7 +223,7 @@ class Tone:
         for name, side in (("width", width), ("height", height)):
             if side is not None and not 0 < side < np.inf:
                 raise ValueError(f"{name} is {side} mm; it takes a length over 0")
-        h, w = self.coverage.shape
+        h, w = self.shape
         old = np.array(self.size)
         if width is None or height is None or fit == "contain":
             scale = min(side / own for side, own in zip((width, height), old, strict=True) if side is not None) if width or height else 1
@@ -225,7 +237,7 @@ class Tone:
         return self._resized(slice(y, y + rows), slice(x, x + columns), (width, height))
 
     def _resized(self, rows: slice, columns: slice, size: tuple[float, float]) -> Tone:
-        coverage = self.coverage[rows, columns]
+        coverage = self.levels.cut(rows, columns)
         importance = None if self.importance is None else self.importance[rows, columns]
         rgb = None if self.rgb is None else self.rgb[rows, columns]
         if self.is_rectangle:
@@ -236,20 +248,23 @@ class Tone:
         return Tone(coverage, size, canvas, importance, self.notes, rgb)
 
     def mapped(self, curve: Callable[[Array], Array]) -> Tone:
-        """The same canvas with curve(coverage) for coverage; the curve takes and gives (h, w) of 0 to 1."""
-        changed = replace(self, coverage=curve(self.coverage))
+        """The same canvas with curve(coverage) for coverage: the curve takes and gives arrays of 0 to 1, each number by itself."""
+        return self.holding(self.levels.mapped(curve))
+
+    def holding(self, values: npt.ArrayLike | Levels) -> Tone:
+        """The same canvas with this coverage, (h, w) of 0 to 1."""
+        changed = replace(self, values=values)
         if not self.is_rectangle:  # half a second of clipping on a traced specimen, and all that is drawn of it needs the same
-            vars(changed)["inside"] = self.inside
+            vars(changed)["within"] = self.within
         return changed
 
     def at(self, xy: npt.ArrayLike) -> Array:
         """Coverage of the pixel under each point, (n,); points outside take the nearest pixel."""
-        row, column = self.under(xy)
-        return np.asarray(self.coverage[row, column])
+        return self.levels.at(*self.under(xy))
 
     def under(self, xy: npt.ArrayLike) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
         """Row and column of the pixel under each point of (n, 2); points outside take the nearest pixel."""
-        points, (h, w), (dx, dy) = np.asarray(xy, np.float64), self.coverage.shape, self.pixel
+        points, (h, w), (dx, dy) = np.asarray(xy, np.float64), self.shape, self.pixel
         column = np.clip(np.floor(points[:, 0] / dx), 0, w - 1).astype(np.int64)
         row = np.clip(np.floor(points[:, 1] / dy), 0, h - 1).astype(np.int64)
         return row, column
@@ -260,22 +275,6 @@ class Tone:
         if self.is_rectangle:
             return np.asarray(((points >= 0) & (points <= self.size)).all(axis=1))
         return np.asarray(shapely.intersects_xy(self.canvas, points[:, 0], points[:, 1]))
-
-
-def touched(
-    shape: shapely.Geometry, corner: tuple[float, float], step: tuple[float, float], grid: tuple[int, int]
-) -> npt.NDArray[np.bool_]:
-    """The squares of a grid (rows, columns) that the shape's outline may touch: none that it does touch is missing.
-
-    Each piece of the outline shorter than half a square is marked at its ends, and so are all neighbours.
-    """
-    from scipy.ndimage import binary_dilation
-
-    line = shapely.transform(shapely.boundary(shape), lambda xy: (xy - corner) / step)
-    column, row = np.floor(shapely.get_coordinates(shapely.segmentize(line, 0.5))).astype(np.int64).T
-    marks = np.zeros(grid, bool)
-    marks[np.clip(row, 0, grid[0] - 1), np.clip(column, 0, grid[1] - 1)] = True
-    return np.asarray(binary_dilation(marks, np.ones((3, 3), bool)))
 
 
 def _canvas(canvas: shapely.Geometry, sheet: shapely.Geometry) -> shapely.Geometry:

@@ -57,16 +57,25 @@ def application(arguments: list[str]) -> int:
     return code if isinstance(code, int) else 0
 
 
+class Halted(BaseException):
+    """Work was stopped by Ctrl-C, and this is to be said of it."""
+
+
 def refused(error: Exception | str) -> int:
     """One line on stderr: the file, the cause, the remedy. Returns the exit code."""
+    sys.stderr.write(f"crowquill: {line(error)}\n")
+    return REFUSED
+
+
+def line(error: Exception | str) -> str:
+    """An error in one line: the file, the cause, the remedy."""
     if isinstance(error, OSError) and error.errno:
         name = f"{os.fsdecode(error.filename)}: " if error.filename else ""
         error = f"{name}{(error.strerror or 'failed').lower()}; {REMEDIES.get(error.errno, 'try another file or folder')}"
-    line = plain(str(error))
-    if len(line) > LONGEST:  # a name can be long: its beginning, the cause and the remedy are what helps
-        line = f"{line[: LONGEST // 2]} ... {line[-LONGEST // 2 :]}"
-    sys.stderr.write(f"crowquill: {line}\n")
-    return REFUSED
+    text = plain(str(error))
+    if len(text) > LONGEST:  # a name can be long: its beginning, the cause and the remedy are what helps
+        text = f"{text[: LONGEST // 2]} ... {text[-LONGEST // 2 :]}"
+    return text
 
 
 def spelt(message: str, options: list[str]) -> str:

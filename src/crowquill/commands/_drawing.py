@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from crowquill import making, options, plotting, styles
+from crowquill import expense, making, options, plotting, styles
 from crowquill.commands import say
 from crowquill.commands._running import Run, long, silence
 from crowquill.recipe import PICTURE, Recipe, files_of
@@ -28,13 +28,22 @@ def _drawn(wanted: Recipe, *, picture: Path, recipe: Path | None, typed: Set[str
     if PICTURE in sources and sources[PICTURE].name != picture.name:
         said = [f"{recipe} was made for {sources[PICTURE].name}; its settings are used for {picture.name}"]
     paths = {PICTURE: picture, **{key: Path(value) for key, value in files_of(wanted).items()}}
+    wanted = suited(wanted, typed, run)
+    run.check(list(paths.values()), {})
+    return draw(wanted, paths, run, said=said, named=making.named)
+
+
+def suited(wanted: Recipe, typed: Set[str], run: Run) -> Recipe:
+    """The recipe as it suits the files to be written; `typed` are the options given by hand.
+
+    Raises ValueError where they do not go together.
+    """
     plotter = wanted.plot["purpose"] == "plotter"
     if not plotter and (idle := sorted(typed & set(wanted.plot))):
         raise ValueError(f"--{idle[0].replace('_', '-')} is for plotters; add --for plotter")
     asked = {key: value for key, value in wanted.files.items() if key in typed}
-    run.check(list(paths.values()), asked, strokes="" if plotter else "takes strokes only; add --for plotter")
-    wanted = replace(wanted, knobs=styles.suited(wanted.style, wanted.knobs, run.shown(wanted.files)))
-    return draw(wanted, paths, run, said=said, named=making.named)
+    run.suit(asked, strokes="" if plotter else "takes strokes only; add --for plotter")
+    return replace(wanted, knobs=styles.suited(wanted.style, wanted.knobs, run.shown(wanted.files)))
 
 
 def draw(
@@ -70,5 +79,8 @@ def _foretold(facts: Mapping[str, float], tone: Tone, page: tuple[float, float])
     say(f"art    {tone.size[0]:.4g} x {tone.size[1]:.4g} mm")
     say(f"ink    {tone.ink:.1f} mm2 asked")
     for name, value in facts.items():
-        say(f"{name:<6} {value:g}" if name not in TIMES else f"{TIMES[name]:<6} about {long(value)}")
+        if name == "bytes":
+            say(f"memory about {expense.said(expense.held() + value)}")
+        else:
+            say(f"{name:<6} {value:g}" if name not in TIMES else f"{TIMES[name]:<6} about {long(value)}")
     return 0

@@ -53,7 +53,18 @@ class Run:
         return [formats.shown(path, files) for path in self.out] + plates
 
     def check(self, sources: Sequence[Path], asked: Mapping[str, Any], *, strokes: str = "") -> None:
-        """Raises the error that writing would raise, before any work is done.
+        """Raises the error that writing would raise, before any work is done; asked and strokes are those of suit()."""
+        self.suit(asked, strokes=strokes)
+        if self.plates:
+            if not self.plates.is_dir():
+                why = "is no folder; give one" if self.plates.exists() else "there is no such folder; make it first"
+                raise ValueError(f"{self.plates}: {why}")
+            formats.check([self.plates / "plates.pdf"])  # may be written to; what they are called is known once the inks are
+        reports = [self.report] if self.report and str(self.report) != "-" else []
+        formats.check([*self.out, *reports], overwrite=self.overwrite, sources=sources)
+
+    def suit(self, asked: Mapping[str, Any], *, strokes: str = "") -> None:
+        """Raises the error of formats that are none, or do not take what is asked of them, wherever they are to be.
 
         asked    knobs of formats that were asked for by hand
         strokes  what is to be said of a file that takes strokes only, where the sheet will have more
@@ -68,13 +79,6 @@ class Run:
                 raise ValueError(f"{path}: {strokes}")
         if asked.get("embed") and not any(hasattr(module, "KEEPS_FILES") for module in modules):
             raise ValueError(f"{self.out[0]}: keeps no picture inside; leave out --embed, or write an SVG or a PDF too")
-        if self.plates:
-            if not self.plates.is_dir():
-                why = "is no folder; give one" if self.plates.exists() else "there is no such folder; make it first"
-                raise ValueError(f"{self.plates}: {why}")
-            formats.check([self.plates / "plates.pdf"])  # may be written to; what they are called is known once the inks are
-        reports = [self.report] if self.report and str(self.report) != "-" else []
-        formats.check([*self.out, *reports], overwrite=self.overwrite, sources=sources)
 
     def foresee(self, size: tuple[float, float], marks: int, files: Mapping[str, Any]) -> None:
         """Raises the error that writing a sheet of this size and number of marks would raise, where that is known before."""

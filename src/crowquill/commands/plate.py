@@ -69,7 +69,7 @@ def _foretold(opened: Opened) -> int:
     say(f"page   {width:g} x {height:g} mm")
     for placed, part, facts in foretold(opened):
         art = placed.art
-        more = "".join(f", {value:g} {name}" for name, value in facts.items() if name != "seconds")
+        more = "".join(f", {value:g} {name}" for name, value in facts.items() if name not in ("seconds", "bytes"))
         say(f"{placed.label:<6} {part.name or 'drawing'}, {art.width:.4g} x {art.height:.4g} mm at {art.left:.4g}, {art.top:.4g}{more}")
     for warning in opened.composition.notes:
         note(warning)

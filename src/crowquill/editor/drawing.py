@@ -198,7 +198,7 @@ def _weight(picture: Picture, tone: Map, wish: Map | None, wall: Paths | None, e
         return Tone(np.ones((1, 1)), picture.size, picture.canvas if wall is None else _walled(picture, wall))
     whole = _toned(picture, tone, wish, wall)
     finer = importance(whole)
-    return whole.mapped(lambda c: (c if finer is None else c * finer / 2) ** exponent)
+    return whole.holding((whole.coverage if finer is None else whole.coverage * finer / 2) ** exponent)
 
 
 def _walled(picture: Picture, wall: Paths) -> shapely.Geometry:

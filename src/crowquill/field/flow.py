@@ -111,7 +111,7 @@ class Sight:
 
     def smoothed(self) -> Tone:
         """The picture evened out along its flow, which keeps its edges."""
-        return self.tone.mapped(lambda coverage: np.clip(smoothed(coverage, self.flow, ALONG * self.sigma), 0, 1))
+        return self.tone.holding(np.clip(smoothed(self.tone.coverage, self.flow, ALONG * self.sigma), 0, 1))
 
     def lines(self, detail: float = 0.5, least: float | None = None) -> Paths:
         """The lines of `lines`."""

@@ -62,7 +62,7 @@ def page(sheet: Sheet, dpi: float | None, bilevel: bool) -> Page:
     """
     used = [layer for layer in sheet.layers if len(layer.art) or isinstance(layer.art, Bitmap)]
     maps = [layer.art.dpi for layer in used if isinstance(layer.art, Bitmap)]
-    dpi = max(maps, default=USUAL) if dpi is None else dpi
+    dpi = finest(sheet) if dpi is None else dpi
     inks = [(layer.ink.name, np.array([layer.ink.cmyk]) if layer.fill is None else layer.fill) for layer in used]
     if maps == [dpi] * len(used) and all((shares == (0, 0, 0, 1)).all() for _, shares in inks):
         bilevel = bilevel or bool(used)
@@ -77,6 +77,11 @@ def page(sheet: Sheet, dpi: float | None, bilevel: bool) -> Page:
             raise ValueError(f"dpi {dpi:g} has less than two pixels to one of a bitmap of {own:g} dpi; use that, or leave bilevel off")
     grey = all((shares[:, :3] == 0).all() for _, shares in inks)
     return Page(width, height, dpi, 0 if bilevel else 1 if grey else 3)
+
+
+def finest(sheet: Sheet) -> float:
+    """The dpi of a sheet's finest bitmap, or else the usual one."""
+    return max((layer.art.dpi for layer in sheet.layers if isinstance(layer.art, Bitmap)), default=USUAL)
 
 
 def pixels(size: tuple[float, float], dpi: float, bilevel: bool) -> tuple[int, int]:
@@ -111,7 +116,9 @@ def recipe(data: bytes, name: str) -> tuple[dict[str, Any], dict[str, bytes]]:
             notes: Any = image.info if image.format == "PNG" else getattr(image, "tag_v2", {})
             found = json.loads(str(notes.get(KEYWORD if image.format == "PNG" else DESCRIPTION, "{}")))
     except (OSError, SyntaxError, ValueError, RecursionError) as error:
-        raise ValueError(f"{name}: no recipe can be read from it ({' '.join(str(error).split())[:80]}); give the file as drawn") from None
+        raise ValueError(
+            f"{name}: no recipe can be read from it ({' '.join(str(error).split(' <_io')[0].split())[:80]}); give the file as drawn"
+        ) from None
     if not isinstance(found, dict) or not found:
         raise ValueError(f"{name}: keeps no recipe of crowquill; give a picture that it drew")
     return found, {}

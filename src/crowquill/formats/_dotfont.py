@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from types import SimpleNamespace
@@ -30,6 +31,7 @@ SLIP = 0.003  # mm that an outline may lie off because its turn is rounded: a hu
 EM = 1000  # units to a font's size, as readers take for granted: at size 1000 a unit is a micrometre
 FULL = 65_534  # characters to a font: with the empty one that it must have, 65535, the most that CFF counts
 REACH = 16_000  # um from a character's middle to its rim: a charstring's numbers end at 32767, and go from rim to rim
+SHOWN = 50_000  # marks to a piece of text
 OPERANDS = 48  # to an operator of a charstring, at most
 # Filled alone, characters are bitmaps from a cache, which readers place on whole pixels: at 2540 dpi up to 8 um off in
 # Ghostscript and 14 in Poppler, at 600 dpi 43. Filled and stroked they are drawn as the outlines they are, within 1 um. The
@@ -57,20 +59,24 @@ def takes(art: Marks | Paths) -> TypeGuard[Marks]:
     return isinstance(art, Marks) and all(art.glyphs[k].paths.closed for k in np.unique(art.glyph))
 
 
-def typeset(marks: Marks) -> tuple[str, list[Font]]:
-    """The text operators that show the marks, in micrometres and y down, and the fonts they need.
+def typeset(marks: Marks) -> tuple[Iterator[str], list[Font]]:
+    """The text operators that show the marks, in micrometres and y down, piece by piece, and the fonts they need.
 
     Places are exact, areas to a thousandth. Turns are rounded: an outline lies within SLIP and a micrometre of where it
     belongs, a dot of over 30 mm within SLIP and a ten-thousandth of its width. More characters than a font holds go on
     in a second. Marks of scale 0 have no ink and are not shown.
     """
-    marks = marks.take(marks.scale > 0)
+    if not (marks.scale > 0).all():
+        marks = marks.take(marks.scale > 0)
     if not len(marks):
-        return "", []
+        return iter([""]), []
     marks = marks.take(hilbert.of_points(marks.xy))
     drawn, steps = _drawing(marks)
     turn = np.round(marks.angle * steps[marks.glyph] / (2 * np.pi)).astype(np.int64) % steps[marks.glyph]
-    kinds, character = np.unique(marks.glyph * TURN_STEPS + turn, return_inverse=True)
+    character = marks.glyph * TURN_STEPS + turn
+    used = np.zeros(len(marks.glyphs) * TURN_STEPS, bool)
+    used[character] = True
+    kinds, character = np.flatnonzero(used), (np.cumsum(used) - 1)[character]
     fonts: list[Font] = []
     for lo in range(0, len(kinds), FULL):
         shapes = []
@@ -192,7 +198,7 @@ def _bullets(count: int) -> bytes:
     return mapped(ranges, "range")
 
 
-def _text(marks: Marks, fonts: list[Font], font: Index, code: Index, size: Index) -> str:
+def _text(marks: Marks, fonts: list[Font], font: Index, code: Index, size: Index) -> Iterator[str]:
     """One text object: for each font and size the marks along the Hilbert curve, each a move and a character.
 
     Two marks of one height are one in a thousand, so that showing several at once would save nothing. Codes as
@@ -207,9 +213,14 @@ def _text(marks: Marks, fonts: list[Font], font: Index, code: Index, size: Index
     parts = [f"{EXACT}\nBT\n1 0 0 -1 0 0 Tm\n"]  # upright on a page whose y goes down
     for lo, hi in pairwise([0, *ends.tolist(), len(order)]):
         parts.append(f"/{fonts[font[lo]].key} {number(size[lo] / 1000)} Tf\n")
-        buffer = np.empty((2 * WIDEST + 16) * (hi - lo), np.uint8)
-        parts.append(buffer[: _show(moves[lo:hi], code[lo:hi], buffer)].tobytes().decode("ascii"))
-    return "".join(parts) + "ET"
+        for first in range(lo, hi, SHOWN):
+            last = min(first + SHOWN, hi)
+            buffer = np.empty((2 * WIDEST + 16) * (last - first), np.uint8)
+            parts.append(buffer[: _show(moves[first:last], code[first:last], buffer)].tobytes().decode("ascii"))
+            if last == first + SHOWN:
+                yield "".join(parts)
+                parts = []
+    yield "".join([*parts, "ET"])
 
 
 @compiled

@@ -11,6 +11,7 @@ import numpy as np
 import pikepdf
 
 from crowquill.formats import _bitmap, _dotfont, _letters
+from crowquill.formats._content import Content
 from crowquill.formats._letters import Face
 from crowquill.formats._text import chunks, number, pdf_path
 from crowquill.forme import Forme, registers, shares
@@ -28,11 +29,11 @@ GREY = "Grey"  # the image of grey dots
 
 @dataclass
 class Page:
-    """Operators, and by the names that they call them: fonts of dots, faces of letters, spot inks, images, whether any ink overprints."""
+    """Where operators go; by the names that they call them fonts of dots, faces of letters, spot inks, images; if any ink overprints."""
 
     faces: Mapping[str, Face]
+    code: Content
     compact: bool = False
-    code: list[str] = field(default_factory=list)
     dots: dict[str, _dotfont.Font] = field(default_factory=dict)
     spots: dict[str, Ink] = field(default_factory=dict)
     images: dict[str, Bitmap] = field(default_factory=dict)
@@ -40,12 +41,13 @@ class Page:
     overprints: bool = False
 
     @classmethod
-    def of(cls, forme: Forme, compact: bool, grey_dots: bool = False) -> Page:
+    def of(cls, forme: Forme, code: Content, compact: bool, grey_dots: bool = False) -> Page:
         """The page of a sheet and what is around it; where there is more than the sheet, its art ends with the bleed.
 
+        code       where the operators go
         grey_dots  dots that have scans, and all below them, are one image
         """
-        page = cls(_letters.faces(forme.layers), compact)
+        page = cls(_letters.faces(forme.layers), code, compact)
         um, out = UM / POINT, forme.slug
         page.code.append(f"{um:.12f} 0 0 {-um:.12f} {number(out / POINT, 9)} {(forme.size[1] - out) / POINT:.9f} cm")
         if forme.slug:
@@ -95,11 +97,11 @@ class Page:
             self._bitmap(art)
         elif self.compact and ink.pen is None and isinstance(art, Marks) and _dotfont.takes(art):
             text, fonts = _dotfont.typeset(art)
-            self.code.append(text)
+            self.code.extend([text])
             self.dots |= {font.key: font for font in fonts}
         else:
             paint = "f" if ink.pen is None else "S"
-            self.code += [f"q\n{pdf_path(paths)}{paint}\nQ" for paths in chunks(art)]
+            self.code.extend([f"q\n{pdf_path(paths)}{paint}\nQ"] for paths in chunks(art))
         self.code.append("Q")
 
     def _colour(self, ink: Ink) -> str:
@@ -128,7 +130,7 @@ class Page:
         bounds = [0, *(np.flatnonzero((fill[1:] != fill[:-1]).any(axis=1)) + 1).tolist(), len(art)]
         for lo, hi in pairwise(bounds):
             self.code.append(_process(fill[lo].tolist(), overprints))
-            self.code += [f"q\n{pdf_path(paths)}f\nQ" for paths in chunks(art.take(np.arange(lo, hi)))]
+            self.code.extend([f"q\n{pdf_path(paths)}f\nQ"] for paths in chunks(art.take(np.arange(lo, hi))))
 
     def _words(self, words: Words, *, stroked: bool) -> None:
         """Lines of text, upright on a page whose y goes down."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -16,9 +17,8 @@ SCHEMA = 1  # a reader refuses a newer one
 SHARES = 10_000  # parts of a share of ink that are kept
 
 
-def packed(sheet: Sheet) -> tuple[dict[str, Any], bytes]:
-    """What is said of the sheet, and its numbers in one run of bytes."""
-    parts: list[bytes] = []
+def packed(sheet: Sheet) -> tuple[dict[str, Any], Iterator[bytes]]:
+    """What is said of the sheet, and its numbers as one run of bytes, in pieces."""
     layers = []
     for layer in sheet.layers:
         ink: dict[str, Any] = {"name": layer.ink.name, "cmyk": list(layer.ink.cmyk), "pen": layer.ink.pen}
@@ -27,27 +27,37 @@ def packed(sheet: Sheet) -> tuple[dict[str, Any], bytes]:
         art = layer.art
         if isinstance(art, Marks):
             entry |= {"marks": len(art), "glyphs": [_glyph(glyph) for glyph in art.glyphs]}
-            turns = np.round(art.angle * (TURN_STEPS / (2 * np.pi)))
-            for column in (*np.round(art.xy * 1000).T, np.round(art.scale * 1000), art.glyph):
-                parts.append(_column(np.diff(column, prepend=0)))
-            parts.append(_column(turns))
-            parts += [glyph.paths.xy.astype("<f8").tobytes() for glyph in art.glyphs]
         elif isinstance(art, Words) and art.font in FACES:
             entry |= {"words": list(art.text), "font": art.font, "at_mm": art.xy.tolist(), "high_mm": art.size.tolist()}
         elif isinstance(art, Bitmap):
             entry |= {"pixels": [art.width, len(art.bits)], "dpi": art.dpi, "at_mm": art.corner.tolist()}
-            parts.append(art.bits.tobytes())
         else:
             art = outlined(art)
             entry |= {"paths": len(art), "points": len(art.xy), "closed": art.closed, "cubic": art.cubic}
-            for column in (*np.round(art.xy * 1000).T, art.start):
-                parts.append(_column(np.diff(column, prepend=0)))
             if layer.fill is not None:
                 entry["filled"] = True
-                parts += [_column(np.round(share * SHARES)) for share in layer.fill.T]
         layers.append(entry)
     about = {"schema": SCHEMA, "size_mm": list(sheet.size), "layers": layers, "recipe": dict(sheet.recipe)}
-    return about, b"".join(parts)
+    return about, (piece for layer in sheet.layers for piece in _numbers(layer))
+
+
+def _numbers(layer: Layer) -> Iterator[bytes]:
+    """The numbers of a layer, a column at a time."""
+    art = layer.art
+    if isinstance(art, Marks):
+        for lengths in (art.xy[:, 0], art.xy[:, 1], art.scale):
+            yield _column(np.diff(np.round(lengths * 1000), prepend=0))
+        yield _column(np.diff(art.glyph, prepend=0))
+        yield _column(np.round(art.angle * (TURN_STEPS / (2 * np.pi))))
+        yield from (glyph.paths.xy.astype("<f8").tobytes() for glyph in art.glyphs)
+    elif isinstance(art, Bitmap):
+        yield art.bits.tobytes()
+    elif not (isinstance(art, Words) and art.font in FACES):
+        art = outlined(art)
+        for column in (*np.round(art.xy * 1000).T, art.start):
+            yield _column(np.diff(column, prepend=0))
+        if layer.fill is not None:
+            yield from (_column(np.round(share * SHARES)) for share in layer.fill.T)
 
 
 def _glyph(glyph: Glyph) -> dict[str, Any]:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
 import io
-import zlib
 from decimal import Decimal
 from typing import Annotated, BinaryIO
 
@@ -12,6 +10,7 @@ import pikepdf
 from reportlab.pdfgen.canvas import Canvas
 
 from crowquill.formats._bitmap import GREY_DOTS
+from crowquill.formats._content import Content
 from crowquill.formats._kept import keep
 from crowquill.formats._kept import recipe as recipe  # a format's own reader
 from crowquill.formats._page import Page
@@ -72,18 +71,17 @@ def compose(forme: Forme, file: BinaryIO, standard: Standard | None = None, *, c
     canvas.setProducer("crowquill")
     canvas.setAuthor("")
     canvas.setSubject("")
-    page = Page.of(forme, compact, grey_dots)
-    canvas._code[:] = page.code  # in place of the library's own opening, which names a font that is not embedded
+    canvas._code.clear()  # the library's own opening names a font that is not embedded
     canvas._preamble = ""
     canvas.showPage()
     canvas.save()
-    _finished(drawn, file, forme, page, standard, date)
+    with Content(drawn.getvalue(), file) as content:
+        _finished(file, forme, Page.of(forme, content, compact, grey_dots), standard, date)
 
 
-def _finished(drawn: io.BytesIO, file: BinaryIO, forme: Forme, page: Page, standard: Standard | None, date: int) -> None:
-    """The library's file with exact boxes, resources, the recipe, a file ID, and no empty transition."""
-    drawn.seek(0)
-    with pikepdf.open(drawn) as pdf:
+def _finished(file: BinaryIO, forme: Forme, page: Page, standard: Standard | None, date: int) -> None:
+    """The library's file with the page's content, exact boxes, resources, the recipe, a file ID, and no empty transition."""
+    with pikepdf.open(page.code.whole()) as pdf:
         made = pdf.pages[0].obj
         for name, box in _boxes(forme).items():
             made[f"/{name}"] = pikepdf.Array(box)
@@ -92,10 +90,7 @@ def _finished(drawn: io.BytesIO, file: BinaryIO, forme: Forme, page: Page, stand
         for name in ("/Author", "/Subject", "/Keywords"):
             if name in pdf.docinfo:
                 del pdf.docinfo[name]
-        content = pdf.pages[0].Contents.read_bytes()
-        # 9 takes four times as long for 5 % less; the library's own level is one for all of a program
-        made["/Contents"] = pdf.make_stream(zlib.compress(content, 4), Filter=pikepdf.Name.FlateDecode)
-        digest = hashlib.md5(content, usedforsecurity=False).digest()
+        digest = page.code.digest
         keep(pdf, forme.sheet, str(pdf.docinfo["/Title"]), standard.said(digest, date) if standard else "")
         if standard:
             standard.put(pdf, date)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import io
 import json
 import re
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import groupby, pairwise
+from itertools import chain, groupby, pairwise
 from typing import Annotated, Any, BinaryIO
 from xml.etree import ElementTree
 
@@ -29,12 +30,15 @@ from crowquill.paths import Paths
 from crowquill.sheet import Bitmap, Ink, Layer, Sheet, on_screen, outlined
 from crowquill.vector import PX, elements, local, shapes
 
+Shape = tuple[Paths, dict[str, str]]  # an element's outlines, and its colour where it has one of its own
 KEEPS_FILES = True  # attached to a sheet
 SPACE = "urn:crowquill:drawing"
 SVG = "http://www.w3.org/2000/svg"
 LARGEST = 2**31  # bytes of table unpacked; fifty million dots
 SEPARATE = 20_000  # elements; Inkscape takes about 9 kB for each
 PIECE = 1_000_000  # characters of table to an element: some readers stop at 10 MB of text
+LATER = "@"  # in place of outlines that are written one by one
+UNKNOWN = 64 * "0"  # in place of a checksum
 UNSEEN = {"metadata", "title", "desc", "defs"}
 
 
@@ -54,6 +58,7 @@ def write(
         size=(f"{number(width)}mm", f"{number(height)}mm"), viewBox=f"0 0 {number(width)} {number(height)}", debug=False
     )
     inkscape = svgwrite.extensions.Inkscape(drawing)
+    drawn: list[Iterator[Shape]] = []
     for rank, layer in enumerate(sheet.layers, 1):
         group = inkscape.layer(label=_sayable(layer.label), id=f"layer{rank}", **_paint(layer.ink))
         drawing.add(group)
@@ -61,15 +66,44 @@ def write(
             group.add(_image(layer.art, layer.ink))
             continue
         scaled = svgwrite.container.Group(transform="scale(.001)", debug=False)
-        for paths, colour in _coloured(layer, separate):
-            scaled.add(svgwrite.path.Path(d=svg_path(paths), debug=False, **colour))
+        every = _coloured(layer, separate)
+        if first := next(every, None):
+            drawn.append(chain([first], every))
+            scaled.add(svgwrite.path.Path(d=LATER, debug=False))
         group.add(scaled)
     root = drawing.get_xml()
     about, table = packed(sheet)
-    about["drawn"] = _digest(root)
+    about["drawn"] = UNKNOWN
     root.insert(0, _metadata(about, table, sheet.attached))
-    ElementTree.ElementTree(root).write(file, encoding="utf-8", xml_declaration=True)
+    _written(root, iter(drawn), file)
+
+
+def _written(root: ElementTree.Element, drawn: Iterator[Iterator[Shape]], file: BinaryIO) -> None:
+    """Writes a drawing, with the shapes of each layer in place of its path; the checksum, which stands before them, is put in last."""
+    if not file.seekable():
+        whole = io.BytesIO()
+        _written(root, drawn, whole)
+        file.write(whole.getbuffer())
+        return
+    skeleton = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
+    begin, parts = file.tell(), iter(skeleton.split(f'<path d="{LATER}" />'.encode()))
+    head = next(parts)
+    file.write(head)
+
+    def put() -> Iterator[dict[str, str]]:
+        for paths, colour in next(drawn):
+            kept = {"d": svg_path(paths), **colour}
+            file.write(b"<path")
+            file.writelines(f' {key}="{value}"'.encode("ascii") for key, value in kept.items())
+            file.write(b" />")
+            yield kept
+        file.write(next(parts))
+
+    digest = _digest(root, put)
     file.write(b"\n")
+    file.seek(begin + head.index(UNKNOWN.encode()))
+    file.write(digest.encode())
+    file.seek(0, io.SEEK_END)
 
 
 def _image(art: Bitmap, ink: Ink) -> svgwrite.image.Image:
@@ -165,7 +199,7 @@ def _paint(ink: Ink) -> dict[str, str]:
     }
 
 
-def _coloured(layer: Layer, separate: bool) -> Iterator[tuple[Paths, dict[str, str]]]:
+def _coloured(layer: Layer, separate: bool) -> Iterator[Shape]:
     """The outlines of a layer's elements, and the colour of those that have one of their own: runs of rings of the same."""
     if layer.fill is None:
         every = apart(layer.art) if separate and isinstance(layer.art, Marks) else chunks(layer.art)
@@ -182,34 +216,40 @@ def _hexadecimal(codes: Sequence[int]) -> str:
     return "#" + "".join(f"{code:02x}" for code in codes)
 
 
-def _metadata(about: dict[str, Any], table: bytes, attached: Mapping[str, bytes]) -> ElementTree.Element:
+def _metadata(about: dict[str, Any], table: Iterator[bytes], attached: Mapping[str, bytes]) -> ElementTree.Element:
+    packer = zlib.compressobj(6)
+    packed = b"".join([*map(packer.compress, table), packer.flush()])
     metadata = ElementTree.Element("metadata")
     drawing = ElementTree.SubElement(metadata, "drawing", {"xmlns": SPACE})
     drawing.text = json.dumps(about, sort_keys=True)  # in ASCII: names may hold what XML cannot say
     kept = {json.dumps(name): contents for name, contents in attached.items()}
-    for kind, more, contents in (("marks", {}, zlib.compress(table, 6)), *(("file", {"name": name}, kept[name]) for name in kept)):
+    for kind, more, contents in (("marks", {}, packed), *(("file", {"name": name}, kept[name]) for name in kept)):
         text = base64.b64encode(contents).decode("ascii")
         for at in range(0, max(len(text), 1), PIECE):
             ElementTree.SubElement(metadata, kind, {"xmlns": SPACE, **more}).text = text[at : at + PIECE]
     return metadata
 
 
-def _digest(root: ElementTree.Element) -> str:
-    """A checksum of everything drawn: elements of SVG and their own attributes, in order; ids and comments do not count."""
+def _digest(root: ElementTree.Element, put: Callable[[], Iterable[dict[str, str]]] | None = None) -> str:
+    """A checksum of everything drawn: elements of SVG and their own attributes, in order; ids and comments do not count.
+
+    put  gives, for each path that stands for others, the attributes of these
+    """
     total = hashlib.sha256()
 
     def walk(element: ElementTree.Element, depth: int) -> None:
         tag = str(element.tag)
         if (tag.startswith("{") and not tag.startswith(f"{{{SVG}}}")) or local(element) in UNSEEN:
             return
-        kept = [
-            (key, value)
-            for key, value in sorted(element.attrib.items())
-            if not any(mark in key for mark in ":}") and key not in ("id", "xmlns", "version", "baseProfile")
-        ]
-        if local(element) == "image":  # however its lines are broken
-            kept += [("href", "".join(value.split())) for key, value in element.attrib.items() if key.endswith("href")]
-        total.update(repr((depth, local(element), kept)).encode())
+        for attributes in put() if put and element.get("d") == LATER else [element.attrib]:
+            kept = [
+                (key, value)
+                for key, value in sorted(attributes.items())
+                if not any(mark in key for mark in ":}") and key not in ("id", "xmlns", "version", "baseProfile")
+            ]
+            if local(element) == "image":  # however its lines are broken
+                kept += [("href", "".join(value.split())) for key, value in element.attrib.items() if key.endswith("href")]
+            total.update(repr((depth, local(element), kept)).encode())
         for child in element:
             walk(child, depth + 1)
 

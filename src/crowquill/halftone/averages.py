@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from crowquill.kernel import compiled, shared_out
+from crowquill.levels import Levels
 from crowquill.paths import Array
 
 ROWS = 16  # at least to a thread
 
 
-def averaged(values: Array, x: Array, y: Array) -> Array:
-    """Means (m, n) of values (h, w), each the height of a square, over the boxes between x (n + 1,) and y (m + 1,), both rising.
+def averaged(values: Array | Levels, x: Array, y: Array) -> Array:
+    """Means (m, n) of values (h, w), or levels, each the height of a square, over the boxes between x (n + 1,) and y (m + 1,), both rising.
 
     x and y count pixels from the first corner, in any part of one; beyond the pixels there is nothing, which counts as 0.
 
@@ -19,7 +20,14 @@ def averaged(values: Array, x: Array, y: Array) -> Array:
     [[0.0, 0.5, 0.5]]
     """
     means = np.zeros((len(y) - 1, len(x) - 1))
-    shared_out(lambda lo, hi: _averaged(values, x, y[lo : hi + 1], means[lo:hi]), len(means), ROWS)
+    if isinstance(values, Levels) and values.table is not None:
+        for lo in range(0, len(means), ROWS):  # of codes a band at a time: all of their numbers would be eight times as much
+            part = y[lo : lo + ROWS + 1]
+            first = min(max(int(part[0]), 0), values.shape[0] - 1)
+            _averaged(values.rows(first, max(first + 1, int(np.ceil(part[-1])))), x, part - first, means[lo : lo + ROWS])
+        return means
+    plain = values.codes if isinstance(values, Levels) else values
+    shared_out(lambda lo, hi: _averaged(plain, x, y[lo : hi + 1], means[lo:hi]), len(means), ROWS)
     return means
 
 

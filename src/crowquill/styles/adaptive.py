@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from crowquill import relax, splitting
+from crowquill import expense, relax, splitting
 from crowquill.knobs import Choice, Range
 from crowquill.nibs import Glyphs, MaxDots, MinGap, Nibs, Pen, SizeBy, Sizes, White, inked
 from crowquill.sheet import Sheet, Step
@@ -48,7 +48,9 @@ def draw(
     nibs = Nibs.of(pen, glyphs, sizes=sizes, size_by=size_by)
     plan = planned(tone, pen=nibs.pen, dots=None, span=nibs.span, white=white, white_rule="before", min_gap=min_gap, max_dots=max_dots)
     most = iterations if iterations is not None else ITERATIONS if exact else PUBLISHED
-    yield Step("plan", 0, 1, {"dots": plan.dots, "pen_mm": plan.pen, "seconds": expected_seconds(plan.dots, most)})
+    needed = expense.relaxed(plan.dots, tone.shape)
+    yield Step("plan", 0, 1, {"dots": plan.dots, "pen_mm": plan.pen, "seconds": expected_seconds(plan.dots, most), "bytes": needed})
+    expense.afford(needed, f"{plan.dots} dots on {tone.shape[1]} x {tone.shape[0]} pixels take", "draw fewer dots, or of a smaller picture")
     chance = rng.spawn(4)
     sites = relax.scatter(plan.demand, plan.dots if exact else min(1, plan.dots), chance[0])
     yield Step("place", 1, 1, {"dots": len(sites)})

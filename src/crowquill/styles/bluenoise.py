@@ -49,7 +49,7 @@ def draw(
     clock = Clock()
     nibs = Nibs.of(pen, glyphs, dots=dots)
     plan = planned(tone, pen=nibs.pen, dots=dots, white=white, white_rule="before", min_gap=min_gap, max_dots=max_dots)
-    yield Step("plan", 0, 1, {"dots": plan.dots, "pen_mm": plan.pen, "seconds": expected_seconds(plan.dots, FIRST + 50 * iterations)})
+    yield Step("plan", 0, 1, {"dots": plan.dots, "pen_mm": plan.pen, "seconds": expected_seconds(plan.dots, FIRST + 150 * iterations)})
     chance = rng.spawn(4)
     first = yield from settled(plan.demand, plan.dots, chance[0], clock, start="even", iterations=FIRST, banned=plan.white)
     sites = _shaken(first, plan, chance[1]) if iterations else first.sites

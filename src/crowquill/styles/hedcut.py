@@ -182,14 +182,14 @@ class Ground:
         tone, room, need = self.tone, self.rooms[0], aligned.radius(self.tone.coverage, self.pen)
         sliver = binary_dilation(tone.coverage == 0, iterations=2) & (room < need + 3 * max(tone.pixel))
         spent = raster.covered(self.strokes, tone.coverage.shape, pixel=tone.pixel, pen=self.width or None) * ~self.within
-        outside = tone.mapped(lambda c: np.where(self.within, 0.0, c))
+        outside = tone.holding(np.where(self.within, 0.0, tone.coverage))
         free = ~self.within & ~sliver & (room >= need) & (tone.coverage > 0)
         return aligned.handed_on(outside, spent, free, aligned.NEAR * self.pitch)
 
     @cached_property
     def white(self) -> Tone:
         """What is asked of white ones."""
-        pale = self.tone.mapped(lambda c: np.where(self.within, 1 - c, 0.0))
+        pale = self.tone.holding(np.where(self.within, 1 - self.tone.coverage, 0.0))
         free = self.within & (self.rooms[1] >= aligned.radius(pale.coverage, self.pen))
         return aligned.handed_on(pale, np.zeros_like(pale.coverage), free, aligned.NEAR * self.pitch)
 

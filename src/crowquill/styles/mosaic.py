@@ -140,7 +140,7 @@ def _found(tone: Tone, side: float) -> Paths:
     seen = cutting.lab(tone.rgb.reshape(-1, 3).astype(np.float64))
     axis = np.linalg.eigh(np.cov(seen.T))[1][:, -1]
     along = (seen - seen.mean(axis=0)) @ axis / 100
-    of_colour = field.edges(tone.mapped(lambda c: np.clip(0.5 + along.reshape(c.shape), 0, 1)), EDGE * side, least=LENGTH * side)
+    of_colour = field.edges(tone.holding(np.clip(0.5 + along.reshape(tone.shape), 0, 1)), EDGE * side, least=LENGTH * side)
     lines = [shapely.LineString(line) for line in of_colour]
     rest = shapely.difference([shapely.LineString(line) for line in own], shapely.buffer(shapely.union_all(lines), side))
     rest = [line for line in shapely.get_parts(rest) if line.length >= LENGTH * side]

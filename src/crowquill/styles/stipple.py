@@ -13,7 +13,7 @@ from typing import Annotated
 
 import numpy as np
 
-from crowquill import relax
+from crowquill import expense, relax
 from crowquill.knobs import Choice, Range
 from crowquill.nibs import Dots, Glyphs, MaxDots, MinGap, Nibs, Pen, SizeBy, Sizes, White, inked
 from crowquill.sheet import Sheet, Step
@@ -55,13 +55,15 @@ def draw(
     ink             the union of the dots covers what is asked up to 0.97, because the number of
                     dots makes up for their overlap; the report has `coverage_missing`
     min_gap         presses tones together to what dots so far apart can cover, so that tone still rises with tone
-    no ink          an empty sheet and a warning. Raises ValueError for more than max_dots, for a
+    no ink          an empty sheet and a warning. Raises ValueError for more than max_dots, for more than memory holds, for a
                     pen wider than the canvas, and for pen and sizes together
     """
     clock = Clock()
     nibs = Nibs.of(pen, glyphs, sizes=sizes, size_by=size_by, dots=dots)
     plan = planned(tone, pen=nibs.pen, dots=dots, span=nibs.span, white=white, white_rule=white_rule, min_gap=min_gap, max_dots=max_dots)
-    yield Step("plan", 0, 1, {"dots": plan.dots, "pen_mm": plan.pen, "seconds": expected_seconds(plan.dots, iterations)})
+    needed = expense.relaxed(plan.dots, tone.shape)
+    yield Step("plan", 0, 1, {"dots": plan.dots, "pen_mm": plan.pen, "seconds": expected_seconds(plan.dots, iterations), "bytes": needed})
+    expense.afford(needed, f"{plan.dots} dots on {tone.shape[1]} x {tone.shape[0]} pixels take", "draw fewer dots, or of a smaller picture")
     chance = rng.spawn(3)
     state = yield from settled(
         plan.demand, plan.dots, chance[0], clock, start=start, iterations=iterations, until=until, step=step,
@@ -69,5 +71,7 @@ def draw(
     )  # fmt: skip
     off = len(state.sites) != plan.dots
     said = [f"this start gave {len(state.sites)} dots in place of {plan.dots}; --start even gives any number"] if off else []
-    sheet: Sheet = yield from inked(state, plan, tone, nibs, chance[1:], clock, warnings=said)
+    work = inked(state, plan, tone, nibs, chance[1:], clock, warnings=said)
+    del state, plan
+    sheet: Sheet = yield from work
     return sheet
