@@ -7,25 +7,35 @@ of relaxation costs on the page and without it.
 
 from __future__ import annotations
 
+import json
+import subprocess
 import sys
 import tempfile
+import threading
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
+from urllib.request import urlopen
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from browser import Editor, browsing, serving
+from browser import FLAGS, QUIET, Array, Editor, browsing, serving
+from rendering import require
+from websockets.sync.client import connect
 
 from crowquill import Ink, Layer, Sheet, Tone, glyphs, save
 from crowquill.marks import Marks
 from crowquill.relax import lloyd
 
+Ask = Callable[..., Any]
 COUNT = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
 PAPER, MARGIN = (210.0, 297.0), 15.0  # mm
 ZOOMS = (1.0, 2.0, 6.0, 20.0)  # times the whole paper
-BRUSHES = {"insert": "b", "erase": "e", "push": "p", "jitter": "j", "resize": "s", "relax": "r"}
+BRUSHES = {"insert": "b", "erase": "e", "push": "p", "jitter": "j", "resize": "s", "relax": "r", "relax objects": "r"}
 DABS = 15
 TIMES = 5  # steps of relaxation
 STEPS = """async (times) => {
@@ -93,18 +103,54 @@ def main() -> None:
             editor.page.evaluate("crowquill.desk.viewport.all()")
             editor.page.evaluate(WATCH)
             for row, (name, key) in enumerate(BRUSHES.items()):
-                delays = dabs(editor, key, 40.0 + 35 * row)
+                delays = dabs(editor, key, 40.0 + 32 * row, "objects" if "objects" in name else "uniform")
                 print(f"{name} to the screen: {delays[0]:.0f} ms at least, median {delays[len(delays) // 2]:.0f}, worst {delays[-1]:.0f}")
-            shown, bare = steps(editor)
+            xy = editor.xy()
+        with serving(file) as address, looking(address) as ask:
+            shown, bare = steps(ask, xy)
             print(f"a step of relaxation, all seen: {shown:.0f} ms; as commands do it: {bare:.0f} ms, {shown / bare:.2f} times as much")
 
 
-def steps(editor: Editor) -> tuple[float, float]:
+@contextmanager
+def looking(address: str) -> Iterator[Ask]:
+    """A page of an address that nothing listens to: what a test's browser reports of each frame costs as much as showing it.
+
+    Gives what a function of the page's own words comes to, called with a number.
+    """
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+        own = [f"--user-data-dir={profile}", "--remote-debugging-port=0", "--window-size=1360,860", address]
+        with subprocess.Popen([require("chromium"), *FLAGS, *own], stderr=subprocess.PIPE, text=True) as browser:
+            try:
+                lines = iter(browser.stderr or [])
+                port = next(line for line in lines if "DevTools listening" in line).split(":")[2].split("/")[0]
+                threading.Thread(target=lambda: list(lines), daemon=True).start()
+                yield from asking(port)
+            finally:
+                browser.terminate()
+
+
+def asking(port: str) -> Iterator[Ask]:
+    """The one page of a browser, once it is at rest."""
+    with urlopen(f"http://127.0.0.1:{port}/json/list") as answer:
+        (page,) = [one for one in json.load(answer) if one["type"] == "page"]
+    with connect(page["webSocketDebuggerUrl"], max_size=None) as socket:
+
+        def ask(words: str, value: float = 0) -> Any:
+            params = {"expression": f"({words})({value})", "awaitPromise": True, "returnByValue": True}
+            socket.send(json.dumps({"id": 1, "method": "Runtime.evaluate", "params": params}))
+            return json.loads(socket.recv()).get("result", {}).get("result", {}).get("value")  # none while the page is loaded
+
+        while not ask(QUIET):
+            time.sleep(0.1)
+        yield ask
+
+
+def steps(ask: Ask, xy: Array) -> tuple[float, float]:
     """ms for a step of uniform relaxation of all dots, seen on the page, and as commands do it, side by side."""
-    xy, tone = editor.xy(), Tone(np.ones((297, 210)), PAPER)
+    tone = Tone(np.ones((297, 210)), PAPER)
     shown, bare = [], []
     for _ in range(3):
-        shown.append(editor.page.evaluate(STEPS, TIMES) / TIMES / 1000)
+        shown.append(ask(STEPS, TIMES) / TIMES / 1000)
         states = lloyd(xy, tone, exponent=0.0)
         next(states)
         began = time.perf_counter()
@@ -114,9 +160,9 @@ def steps(editor: Editor) -> tuple[float, float]:
     return 1000 * min(shown), 1000 * min(bare)
 
 
-def dabs(editor: Editor, key: str, y: float) -> list[float]:
+def dabs(editor: Editor, key: str, y: float, variant: str) -> list[float]:
     """How long each of some dabs took to be seen, ms, the least first; the first two, which compile, are left out."""
-    editor.take(key, size=5.0, variant="uniform")  # without a picture there is no tone to weigh by; other brushes know no variant
+    editor.take(key, size=5.0, variant=variant)  # without a picture there is no tone to weigh by; other brushes know no variant
     editor.page.evaluate("delays.length = 0")
     for k in range(DABS + 2):
         x = 25 + 9 * k

@@ -205,12 +205,18 @@ class Page:
         assert at == len(frame)
 
     def _items(self, frame: bytes, at: int) -> int:
-        layer, n, bits, _ = struct.unpack_from("<4I", frame, at)
-        ids = np.frombuffer(frame, "<u4", n, at + 16).tolist()
-        at += 16 + 4 * n
-        if not bits:
+        layer, n, bits, first = struct.unpack_from("<4I", frame, at)
+        at += 16
+        ids = list(range(first, first + n))
+        if not bits & 64:
+            ids = np.frombuffer(frame, "<u4", n, at).tolist()
+            at += 4 * n
+        if not bits & ~64:
             for id in ids:
                 del self.items[id]
+        if bits & 128:
+            at = self._steps(frame, at, ids)
+            bits &= ~1
         for bit, name, kind, width in COLUMN:
             if bits & bit:
                 column = np.frombuffer(frame, kind, n * width, at)
@@ -219,6 +225,14 @@ class Page:
                 for id, value in zip(ids, rows.tolist(), strict=True):
                     self.items.setdefault(id, {"layer": layer})[name] = value
                     self.items[id]["layer"] = layer
+        return at
+
+    def _steps(self, frame: bytes, at: int, ids: list[int]) -> int:
+        for axis in (0, 1):
+            for id, step in zip(ids, np.frombuffer(frame, "<i2", len(ids), at).tolist(), strict=True):
+                x = self.items[id]["um"]
+                x[axis] += step
+            at += -(-2 * len(ids) // 4) * 4
         return at
 
     def _map(self, frame: bytes, at: int) -> int:

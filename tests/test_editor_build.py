@@ -42,5 +42,6 @@ def test_the_sources_are_typed_strictly() -> None:
 
 def test_the_page_asks_nothing_of_other_hosts() -> None:
     for file in PAGE.iterdir():
-        text = file.read_text(encoding="utf-8").replace("http://www.w3.org/2000/svg", "")
+        text = file.read_text(encoding="utf-8").replace("\\\n", "")  # long strings go on in the next line
+        text = text.replace("http://www.w3.org/2000/svg", "")
         assert "http://" not in text and "https://" not in text, file.name

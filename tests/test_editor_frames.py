@@ -94,14 +94,35 @@ def test_nothing_changed_is_no_frame():
     assert of_items(state, same, 1) is None
 
 
-def test_what_moved_costs_twelve_bytes_a_mark_and_a_stroke_costs_what_is_under_it():
+def test_what_moved_costs_four_bytes_a_mark_and_a_stroke_costs_what_is_under_it():
     state = drawing(2000)
     here = page()
     follow(here, None, state)
-    assert follow(here, state, do(state, "jitter", on="all")) <= 2000 * 12 + 32
+    moved = do(state, "jitter", on="all")
+    assert follow(here, state, moved) <= 2000 * 4 + 32
+    assert follow(here, moved, state) <= 2000 * 4 + 32
+    holes = do(state, "erase", path=way((20, 30)), size=4)
+    follow(here, state, holes)
+    assert follow(here, holes, do(holes, "jitter", on="all")) <= 2000 * 8 + 32  # their numbers do not follow each other
+    follow(here, do(holes, "jitter", on="all"), state)
     assert follow(here, state, do(state, "erase", **BRUSH)) < 600  # some 65 marks of 4 bytes, and heads
     painted = do(state, "paint", **BRUSH)
     assert follow(here, state, painted) <= 16 + 32 + 12 * 12
+
+
+@pytest.mark.parametrize("way_um", [-(2**15), -(2**15) + 1, 2**15 - 1, 2**15, 60_000])
+def test_steps_near_and_over_what_two_bytes_hold_arrive(way_um):
+    before = drawing(101)
+    um = items(before).um.copy()
+    um[0] = 40_000 if way_um < 0 else 1_000
+    before = with_items(before, um=um)
+    um = um.copy()
+    um[0, 1] += way_um
+    after = with_items(before, um=um)
+    here = page()
+    follow(here, None, before)
+    follow(here, before, after)
+    assert here.items == shown(after)
 
 
 def test_lines_come_as_they_are():

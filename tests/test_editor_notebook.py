@@ -17,13 +17,15 @@ from crowquill.editor.notebook import Canvas
 from crowquill.glyphs import load
 
 HOST = """([esm]) => {
-  const heard = [];
+  const heard = [], lives = [];
   window.page = (content, bytes) => {
     const buffers = bytes.map((one) => new DataView(Uint8Array.from(atob(one), (c) => c.charCodeAt(0)).buffer));
     heard.forEach((one) => one(content, buffers));
   };
   const model = { get: (name) => window.values[name], send: (content) => window.kernel(content),
-                  on: (_, one) => heard.push(one), off: (_, one) => heard.splice(heard.indexOf(one), 1) };
+                  on: (what, one) => of(what).push(one), off: (what, one) => of(what).splice(of(what).indexOf(one), 1) };
+  const of = (what) => ({ 'msg:custom': heard, comm_live_update: lives })[what];
+  window.dead = () => lives.forEach((one) => one());
   const url = URL.createObjectURL(new Blob([esm], { type: 'text/javascript' }));
   return import(url).then((found) => { window.gone = found.default.render({ model, el: document.body }); });
 }"""
@@ -88,9 +90,23 @@ def test_the_page_in_a_cell_draws_and_shows(canvas: Canvas, monkeypatch: pytest.
         page.keyboard.press("Enter")  # in the middle of the paper
         until(lambda: frame.evaluate("crowquill.desk.drawing.state.value.marks < 400"), carry)
         until(lambda: frame.evaluate("crowquill.painted.value.revision === crowquill.desk.drawing.state.value.revision"), carry)
+        page.evaluate("dead()")  # as a kernel that begins anew
+        until(lambda: frame.evaluate("!document.getElementById('banner').hidden"), carry)
+        assert "run the cell again" in frame.locator("#banner").inner_text()
+        page.wait_for_timeout(1000)  # it tries to come back
+        assert frame.locator("#banner").is_visible()
         page.evaluate("gone()")
         assert faults == []
     assert np.hypot(*(canvas.sheet.marks.xy - 30).T).min() > 2
+
+
+def test_a_widget_that_is_closed_says_so_to_its_views(canvas: Canvas, monkeypatch: pytest.MonkeyPatch) -> None:
+    said: list[dict[str, Any]] = []
+    monkeypatch.setattr(canvas, "send", lambda content, _=(): said.append(content))
+    canvas.hear({"view": "a", "open": True})
+    until(lambda: said)
+    canvas.close()
+    assert {"view": "a", "closed": 1001} in said
 
 
 def test_a_file_keeps_its_edits_beside_it(canvas: Canvas, tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from crowquill.editor.operations import every
 from crowquill.editor.session import same
 from crowquill.marks import Marks
 from crowquill.paths import Paths
+from crowquill.sheet import Ink
 
 MIDDLE = (40.0, 30.0)
 BRUSH = {"path": way(MIDDLE), "size": 10.0}
@@ -42,6 +43,7 @@ ALIKE = {  # with what to try each operation on the drawing of `full`
     "layer remove": {"layer": 1},
     "layer order": {"layer": 1, "to": 1},
     "layer take": {"layer": 2},
+    "paper": {"paper": "100x90mm"},
     "redraw stipple": {"dots": 60, "iterations": 2, "path": way((15, 15), (60, 15), (60, 45), (15, 45))},
 }
 OTHERS = {f"redraw {style}" for style in styles.names()} - set(ALIKE)  # one style stands for all
@@ -77,7 +79,7 @@ def test_an_operation_is_a_function_of_drawing_parameters_and_seed(full, name):
 
 @pytest.mark.parametrize("name", ALIKE)
 def test_frozen_items_and_items_of_locked_layers_never_change(full, name):
-    if name in ("freeze", "layer remove"):
+    if name in ("freeze", "layer remove", "paper"):  # another paper moves all there is
         return
     held = items(full).frozen
     made = do(full, name, 5, **ALIKE[name])
@@ -98,7 +100,7 @@ def test_frozen_items_and_items_of_locked_layers_never_change(full, name):
 def test_helps_and_knobs_of_an_operation_are_whole(name):
     one = every()[name]
     assert one.about.endswith((".", ")")) or name.startswith("redraw")
-    assert one.group in ("brush", "select", "relax", "map", "layer", "style")
+    assert one.group in ("brush", "select", "relax", "map", "layer", "paper", "style")
     assert all(knob.takes.help for knob in one.knobs.values())
     own = knobs.of(getattr(one.function, "func", one.function))
     assert list(one.knobs) == [*one.common, *own, *one.more()]
@@ -279,6 +281,16 @@ def test_layers_are_added_changed_ordered_filled_and_removed():
     assert [layer.id for layer in found.layers] == [1, 3]
 
 
+def test_a_spot_ink_keeps_its_name_until_a_mix_alone_is_given():
+    found = do(drawing(3), "layer edit", layer=1, spot="PANTONE 185 C", cmyk=[0, 0.9, 0.8, 0], pen=0.3)
+    assert found.layers[0].ink == Ink("PANTONE 185 C", (0, 0.9, 0.8, 0), 0.3, spot=True)
+    assert sheet_of(do(found, "layer edit", layer=1, pen=0)).layers[0].ink == Ink("PANTONE 185 C", (0, 0.9, 0.8, 0), spot=True)
+    assert do(found, "layer edit", layer=1, spot="Gold").layers[0].ink == Ink("Gold", (0, 0.9, 0.8, 0), 0.3, spot=True)
+    assert do(found, "layer edit", layer=1, spot="").layers[0].ink == Ink("c0 m90 y80 k0", (0, 0.9, 0.8, 0), 0.3)
+    assert do(found, "layer edit", layer=1, cmyk=[0, 0, 0, 1]).layers[0].ink == Ink("black", pen=0.3)
+    assert do(drawing(), "layer add", spot="Gold").layers[1].ink == Ink("Gold", spot=True)
+
+
 def test_swap_keeps_place_and_size():
     before = drawing(100)
     made = do(before, "swap", on="all", glyph="diatoms/2")
@@ -352,6 +364,11 @@ def test_redraw_all_over_is_what_the_style_draws_by_itself():
         ("tile", {"layer": 1}, "has no tiles"),
         ("layer remove", {"layer": 4}, "there is no layer 4"),
         ("layer add", {"cmyk": [1, 2, 0, 0]}, "cmyk is 2"),
+        ("layer edit", {"layer": 1, "spot": "black"}, "may not be a process ink's"),
+        ("layer add", {"spot": "Gold/Silver"}, "plain letters, digits"),
+        ("paper", {"paper": "a11"}, "no paper 'a11'"),
+        ("paper", {"paper": "a5", "margin": 80}, "leaves no room"),
+        ("paper", {"paper": "70x50mm", "margin": 10}, "does not fit a paper of 70 x 50 mm"),
         ("redraw stipple", {"pen": 1000}, "pen is 1000"),
         ("redraw stipple", {"path": way((1, 1), (5, 1), (5, 5))}, "encloses nothing of the canvas"),
     ],

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import os
+import time
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -11,11 +13,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-from browser import Array, Editor, browsing, log_of, serving
+from browser import PATIENCE, Array, Editor, browsing, log_of, serving
 from PIL import Image
 from playwright.sync_api import Browser, Error, Locator
 from rendering import Window, dots, pdfium
 from scipy.spatial import cKDTree
+
+from crowquill import Ink, Layer, Sheet, glyphs, save
+from crowquill.marks import Marks
+from crowquill.sheet import Bitmap
 
 PAPER = "60x60mm"
 FREE = Window(4, 2, 38, 12)  # mm: white paper above the picture, which lies from 15 to 45 both ways
@@ -195,17 +201,35 @@ def test_steps_of_every_variant_do_what_they_are_called(editor: Editor) -> None:
 def test_play_goes_on_until_it_is_stopped_and_can_be_undone_whole(editor: Editor) -> None:
     before = editor.columns()
     relaxing(editor).select_option("uniform")
-    editor.page.get_by_role("button", name="Play").click()
+    panel = editor.page.get_by_role("tabpanel", name="Relax")
+    panel.get_by_role("button", name="Play").click()
     editor.until("crowquill.desk.drawing.state.value.busy !== null")
-    editor.page.get_by_role("button", name="Pause").click()
+    panel.get_by_role("button", name="Pause").click()
     editor.until("crowquill.desk.drawing.state.value.busy?.paused === true")
-    editor.page.get_by_role("button", name="Go on").click()
+    panel.get_by_role("button", name="Go on").click()
     editor.until("crowquill.desk.drawing.state.value.busy?.paused === false")
-    editor.page.get_by_role("button", name="Stop", exact=True).click()
+    panel.get_by_role("button", name="Stop", exact=True).click()
     editor.rest()
     assert changed(before, editor.columns()).any()
     editor.press("Control+z")
     assert not changed(before, editor.columns()).any()
+
+
+def test_long_work_is_shown_and_paused_and_cancelled_while_the_drawing_is_looked_at_and_written(editor: Editor, picture: Path) -> None:
+    before, count = editor.columns(), len(log_of(picture))
+    bar = editor.page.locator("#work")
+    editor.page.evaluate("void crowquill.desk.apply('redraw stipple', { dots: 20000, iterations: 100000 })")
+    bar.wait_for(state="visible")
+    editor.until("/^Stipple: relax [0-9]+ of 100000$/.test(document.querySelector('#work span').textContent)")
+    assert bar.get_by_role("progressbar").get_attribute("value") is not None
+    bar.get_by_role("button", name="Pause").click()
+    bar.get_by_role("button", name="Go on").wait_for()
+    assert violations(editor) == []
+    assert exported(editor, picture, "meanwhile")["svg"]  # and nothing of it is waited for
+    bar.get_by_role("button", name="Cancel").click()
+    bar.wait_for(state="hidden")
+    editor.rest()
+    assert not changed(before, editor.columns()).any() and len(log_of(picture)) == count
 
 
 def test_fifty_undone_and_done_again_give_the_same_bytes(editor: Editor, picture: Path) -> None:
@@ -255,6 +279,11 @@ def test_preflight_says_in_the_dialog_what_it_finds(editor: Editor, picture: Pat
     dialog.get_by_role("button", name="Export").click()
     dialog.get_by_role("button", name="Preflight").first.click()
     dialog.locator(".findings li, p:text('press')").first.wait_for()
+    dialog.get_by_role("button", name="Export").click()
+    dialog.locator("p.error").wait_for()  # it is there already
+    dialog.get_by_label("Replace files that are there").check()
+    dialog.get_by_role("button", name="Export").click()
+    dialog.get_by_text("is written").nth(1).wait_for()
     dialog.get_by_label("Name").fill("../outside")
     dialog.get_by_role("button", name="Export").click()
     dialog.locator("p.error").wait_for()
@@ -368,6 +397,62 @@ def test_the_keyboard_alone_draws(editor: Editor) -> None:
     xy = places(added(before, editor.columns()))
     assert len(xy), editor.said()
     assert np.hypot(*(xy.mean(axis=0) - (41, 50))).max() < 2  # mm: 11 right of the middle and 20 below
+
+
+def test_a_layer_gets_a_spot_ink_and_the_drawing_another_paper(editor: Editor) -> None:
+    before, page = editor.columns(), editor.page
+    editor.tab("Layers")
+    panel = page.get_by_role("tabpanel", name="Layers")
+    panel.get_by_role("radio").last.check()
+    panel.get_by_label("Ink", exact=True).select_option("spot")
+    panel.get_by_label("Spot name").fill("Gold")
+    panel.get_by_label("Spot name").press("Enter")
+    panel.get_by_role("button", name="Sepia").click()
+    panel.get_by_label("Cyan, per cent").fill("50")
+    panel.get_by_label("Magenta, per cent").fill("20")
+    panel.get_by_label("Magenta, per cent").press("Enter")
+    editor.rest()
+    layer = editor.state()["layers"][0]
+    assert (layer["ink"], layer["spot"], layer["cmyk"]) == ("Gold", True, [0.5, 0.2, 0.75, 0.45])
+    panel.get_by_text("Another paper", exact=True).click()
+    panel.get_by_role("combobox", name="Paper").fill("90x80mm")
+    panel.get_by_role("button", name="Put it on this paper").click()
+    editor.until("crowquill.desk.drawing.hello.value.size[0] === 90")
+    editor.rest()
+    assert "90 × 80 mm" in panel.inner_text()
+    assert np.abs(places(editor.columns()) - places(before) - (15, 10)).max() < 1e-9
+    editor.page.evaluate("crowquill.desk.ask({ do: 'undo', count: 5 })")
+    editor.until("crowquill.desk.drawing.hello.value.size[0] === 60")
+    editor.rest()
+    assert not changed(before, editor.columns()).any() and not editor.state()["layers"][0]["spot"]
+
+
+def colour(editor: Editor, x: float, y: float) -> tuple[int, ...]:
+    """The colour on the screen at a place of the paper, mm."""
+    left, top = editor.screen(x, y)
+    shot = editor.page.screenshot(clip={"x": left, "y": top, "width": 1, "height": 1})
+    with Image.open(io.BytesIO(shot)) as image:
+        return image.convert("RGB").getpixel((0, 0))  # type: ignore[return-value]
+
+
+def test_layers_that_are_not_edited_are_seen_in_their_true_order(browser: Browser, tmp_path: Path) -> None:
+    disc = Marks.of([[30.0, 30.0], [5.0, 5.0]], glyphs.load("disc").glyphs, scale=8.0)
+    red, green = Ink("red", (0.0, 1.0, 1.0, 0.0)), Ink("green", (1.0, 0.0, 1.0, 0.0))
+    below, above = (Bitmap.of(np.ones((n, n)), 254, (30 - n / 20, 30 - n / 20)) for n in (140, 20))  # 14 and 2 mm, about the disc of 9
+    save(Sheet((60, 60), (Layer(green, below), Layer(Ink(), disc), Layer(red, above))), tmp_path / "still.svg")
+    with serving(tmp_path / "still.svg") as address:
+        editor = Editor(browser, address)
+        assert [layer["kind"] for layer in editor.state()["layers"]] == ["still", "marks", "still"]
+        end = time.monotonic() + PATIENCE
+        while colour(editor, 30, 30) != (255, 0, 0) and time.monotonic() < end:
+            editor.page.wait_for_timeout(100)  # images come beside the drawing's state
+        places = ((30, 30), (33, 30), (36.5, 30), (50, 50))
+        assert [colour(editor, *place) for place in places] == [(255, 0, 0), (0, 0, 0), (0, 255, 0), (255, 255, 255)]
+        editor.apply("layer order", layer=2, to=2)
+        assert [colour(editor, *place) for place in places] == [(0, 0, 0), (0, 0, 0), (0, 255, 0), (255, 255, 255)]
+        editor.apply("layer edit", layer=1, hidden=True)
+        assert colour(editor, 36.5, 30) == (255, 255, 255)
+        editor.page.close()
 
 
 AXE = Path(__file__).resolve().parents[1] / "web" / "node_modules" / "axe-core" / "axe.min.js"

@@ -14,6 +14,7 @@ from crowquill import relax
 from crowquill.cells import voronoi
 from crowquill.editor.drawing import Drawing, Map
 from crowquill.editor.items import COLUMNS
+from crowquill.editor.operations import relaxing
 from crowquill.moments import of_rings
 from crowquill.objects import Objects
 from crowquill.settling import settle
@@ -265,3 +266,28 @@ def test_tiles_are_cut_to_stones_that_do_not_overlap_in_the_colours_beneath(aspe
     clear = np.abs(stones.xy[:, 0] - 40) > 6  # of the border between the colours, by more than a stone's reach
     red = stones.fill[clear] >> 16 & 255
     assert (red == np.where(stones.xy[clear, 0] < 40, 200, 0)).all()
+
+
+def test_cells_of_the_last_step_speed_up_the_next_and_change_nothing(monkeypatch):
+    known: list[bool] = []
+    real = relaxing._Last.cells
+
+    def cells(self: Any, *given: Any) -> Any:
+        found = real(self, *given)
+        known.append(found is not None)
+        return found
+
+    def chain() -> list[str]:
+        monkeypatch.setattr(relaxing, "_LAST", relaxing._Last())
+        first = drawing(300)
+        found = [first := steps(first, 1, variant="weighted") for _ in range(3)]
+        found.append(do(found[-1], "relax", variant="uniform"))
+        found.append(do(do(found[-1], "insert", path=way(MIDDLE), size=20, rate=50), "relax"))  # others than before
+        found.append(do(do(found[0], "jitter", on="all", amount=3), "relax"))  # as after an undo, and far away
+        return [digest(one) for one in found]
+
+    monkeypatch.setattr(relaxing._Last, "cells", cells)
+    quick = chain()
+    assert known.count(True) >= 3 and not known[0]
+    monkeypatch.setattr(relaxing._Last, "cells", lambda *_: None)
+    assert chain() == quick

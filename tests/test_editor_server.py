@@ -25,6 +25,7 @@ from PIL import Image
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
+from crowquill import formats
 from crowquill.__main__ import main
 from crowquill.editor import telling
 from crowquill.editor.server import Server
@@ -314,7 +315,7 @@ def test_what_is_played_is_paused_resumed_and_ended_and_a_brush_works_meanwhile(
     assert page.apply("jitter", on="all")["say"] == "done"  # paused: no step comes between this and the next
     done = len(session.history.entries)
     page.ask("refresh")
-    assert page.state["busy"] == {"n": n, "op": "relax", "paused": True} and len(session.history.entries) == done
+    assert page.state["busy"] == {"n": n, "op": "relax", "paused": True, "single": False} and len(session.history.entries) == done
     refused = page.apply("relax", times=3)
     assert refused["say"] == "error" and "stop it first" in refused["text"]
     assert page.ask("undo")["say"] == "done"  # which ends what is under way, too
@@ -361,6 +362,31 @@ def test_a_long_operation_tells_its_steps_and_can_be_stopped(own):
     assert found["stopped"] and not session.history.entries
     assert any(message["say"] == "state" and message["busy"] and message["busy"]["op"] == "redraw stipple" for message in page.said)
     page.socket.close()
+
+
+def test_what_only_reads_is_answered_while_a_long_operation_is_under_way(own):
+    server, session = own
+    page = begun(server)
+    before = formats.to_bytes(session.sheet(), "svg")
+    n = page.send("apply", op="redraw stipple", params={"dots": 20_000, "iterations": 100_000})
+    while page.hear()["say"] != "step":
+        pass
+    assert page.ask("export", files=["meanwhile.svg"])["facts"]["files"] == ["meanwhile.svg"]
+    assert page.ask("check", file="meanwhile.svg")["facts"]["findings"] is not None
+    assert "ramp.png" in page.ask("files")["facts"]["files"]
+    assert page.ask("show", what="cells")["say"] == "done" and page.lines[-1][0] == 0
+    page.ask("refresh")
+    assert page.state["busy"] == {"n": n, "op": "redraw stipple", "paused": False, "single": True}
+    assert not any(message.get("n") == n and message["say"] in ("done", "error") for message in page.said)
+    brush, later = page.send("apply", op="jitter", params={"on": "all"}), page.send("export", files=["later.svg"])
+    assert page.ask("cancel")["say"] == "done"
+    while not {n, brush, later} <= {message["n"] for message in page.said if message["say"] == "done"}:
+        page.hear()
+    order = [message["n"] for message in page.said if message["say"] == "done" and message["n"] in (n, brush, later)]
+    assert order == [n, brush, later]  # what came after a change is of what that made
+    page.socket.close()
+    assert (session.folder / "meanwhile.svg").read_bytes() == before
+    assert (session.folder / "later.svg").read_bytes() == formats.to_bytes(session.sheet(), "svg") != before
 
 
 def test_what_is_played_ends_when_nothing_changes_any_more_or_the_last_page_goes(own):
@@ -512,7 +538,8 @@ def test_a_killed_editor_goes_on_where_it_was_and_ctrl_c_leaves_no_debris(tmp_pa
     assert error.value.rcvd and error.value.rcvd.code == 1001 and page.said[-1]["say"] == "closed"
     out, err = again.communicate(timeout=PATIENCE)
     assert (again.returncode, err) == (0, "") and "edits are in ramp.png.edits" in out
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.svg", "ramp.png", "ramp.png.edits"]
+    assert sorted(path.name for path in tmp_path.iterdir() if path.is_file()) == ["a.svg", "ramp.png", "ramp.png.edits"]
+    assert {path.name for path in tmp_path.iterdir() if path.is_dir()} <= {"ramp.png.edits.states"}
     assert main(["replay", str(tmp_path / "ramp.png.edits"), str(tmp_path / "b.svg")]) == 0
     assert (tmp_path / "b.svg").read_bytes() == (tmp_path / "a.svg").read_bytes()
 

@@ -16,12 +16,14 @@ export class Appearance {
   readonly guides = remembered<boolean>("guides", true);
   readonly keys = remembered<boolean>("keys", true); // shortcuts of one character, which can be in the way of those who speak to the page
   readonly changed = new Signal();
+  private readonly colours = new Map<string, string>();
 
   constructor() {
     const system = matchMedia("(prefers-color-scheme: dark)");
     const dress = (): void => {
       const dark = this.theme.value === "dark" || (this.theme.value === "system" && system.matches);
       document.documentElement.dataset.theme = dark ? "dark" : "light";
+      this.colours.clear();
       this.changed.say();
     };
     this.theme.on(dress);
@@ -36,7 +38,9 @@ export class Appearance {
 
   // A colour of the page's style sheet.
   colour(name: string): string {
-    return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+    let colour = this.colours.get(name);
+    if (!colour) this.colours.set(name, (colour = getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim()));
+    return colour;
   }
 
   get look(): Look {

@@ -33,7 +33,8 @@ export function commands(desk: Desk, pointers: Pointers): void {
   desk.drawing.state.on((state) => {
     for (const [id, names, verb, keys] of [["undo", state?.undo, "Undo", "Ctrl Z"], ["redo", state?.redo, "Do again", "Ctrl Shift Z"]] as const) {
       byId<HTMLButtonElement>(id).disabled = !names?.length;
-      byId(id).title = `${verb}${names?.[0] ? `: ${names[0]}` : ""} (${keys})`;
+      const title = `${verb}${names?.[0] ? `: ${names[0]}` : ""} (${keys})`;
+      if (byId(id).title !== title) byId(id).title = title;
     }
   });
 }

@@ -19,6 +19,11 @@ export function set(element: Element, attributes: Attributes): void {
   }
 }
 
+// Gives an element other words; the same again would be laid out anew.
+export function put(element: Element, words: string): void {
+  if (element.textContent !== words) element.textContent = words;
+}
+
 let count = 0;
 
 // An id that no other element has.

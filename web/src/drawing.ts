@@ -48,6 +48,15 @@ export class Drawing {
     this.changed.on(() => (this.around = null));
   }
 
+  // Calls a listener once, with the first hello: what the server can do stays the same, while the paper may change.
+  begun(listener: (hello: Hello) => void): void {
+    let told = false;
+    this.hello.on((hello) => {
+      if (hello && !told) listener(hello);
+      told ||= hello !== null;
+    });
+  }
+
   // What lies around the selected items' outlines, mm; null where none are selected.
   selection(): Box | null {
     return (this.around ??= this.found()).box;

@@ -2,7 +2,7 @@
 
 import type { Desk } from "./desk";
 import { dialog } from "./dialogs";
-import { button, el, set, unique } from "./dom";
+import { button, el, unique } from "./dom";
 import { control } from "./knobs";
 import type { Finding, Hello, Knob, KnobValue } from "./protocol";
 
@@ -21,15 +21,15 @@ export function exportDialog(desk: Desk): void {
   });
   const chosen = (): string[] => formats.filter((one) => one.box.checked).map((one) => one.format);
   const show = (): void => knobs.replaceChildren(...shared(hello, chosen()).map((knob) => control(knob, options.get(knob.name) ?? knob.default, (now) => options.set(knob.name, now)).element));
+  const over = el("input", { type: "checkbox", id: unique("over") });
   const results = el("div", { "aria-live": "polite" });
   const write = button("Export", () => void run(), { class: "wide primary" });
   const run = async (): Promise<void> => {
     if (!name.reportValidity() || !chosen().length) return;
     const known = new Set(shared(hello, chosen()).map((knob) => knob.name));
     const given = Object.fromEntries([...options].filter(([key, value]) => known.has(key) && value !== null));
-    set(write, { disabled: true });
-    const done = await ask(desk, results, { do: "export", files: chosen().map((format) => `${name.value}.${format}`), options: given });
-    set(write, { disabled: false });
+    const files = chosen().map((format) => `${name.value}.${format}`);
+    const done = await meanwhile(write, "Writing…", ask(desk, results, { do: "export", files, options: given, overwrite: over.checked }));
     if (done) results.replaceChildren(...(done.files ?? []).map((file) => written(desk, file)));
   };
   show();
@@ -38,6 +38,7 @@ export function exportDialog(desk: Desk): void {
     el("div", { class: "knob" }, el("label", { for: name.id }, "Name"), el("div", { class: "knob-inputs" }, name)),
     el("div", { class: "row chips", role: "group", "aria-label": "Formats" }, ...formats.map((one) => one.element)),
     el("details", {}, el("summary", {}, "Options of these formats"), knobs),
+    el("div", { class: "knob knob-flag" }, over, el("label", { for: over.id }, "Replace files that are there")),
     write,
     results,
   );
@@ -48,6 +49,17 @@ function shared(hello: Hello, formats: string[]): Knob[] {
   const found = new Map<string, Knob>();
   for (const format of formats) for (const knob of hello.formats[format] ?? []) if (!found.has(knob.name)) found.set(knob.name, knob);
   return [...found.values()];
+}
+
+// What a promise gives; until then a button says so, and cannot be pressed.
+async function meanwhile<T>(one: HTMLButtonElement, words: string, promise: Promise<T>): Promise<T> {
+  const name = one.textContent;
+  one.disabled = true;
+  one.textContent = words;
+  const found = await promise;
+  one.disabled = false;
+  one.textContent = name;
+  return found;
 }
 
 // A request whose error is said in the dialog, where it is read.
@@ -63,7 +75,7 @@ async function ask(desk: Desk, where: HTMLElement, request: { do: string; [key: 
 function written(desk: Desk, file: string): HTMLElement {
   const findings = el("div", {});
   const check = async (): Promise<void> => {
-    const facts = await ask(desk, findings, { do: "check", file });
+    const facts = await meanwhile(checking!, "Checking…", ask(desk, findings, { do: "check", file }));
     if (facts) findings.replaceChildren(list(facts.findings ?? []));
   };
   const checking = CHECKED.test(file) ? button("Preflight", () => void check()) : null;

@@ -19,21 +19,33 @@ export class Items {
     this.count = this.end = 0;
   }
 
-  // Takes a chunk in. `before` is called for each item that is there while it is still as it was, `after` for each once it is as it will be.
-  take(chunk: ItemChunk, before?: (id: number) => void, after?: (id: number) => void): void {
-    const { ids, x, y, scale, turn, kind, fill, flags } = chunk;
-    if (ids.length) this.reserve(ids[ids.length - 1]! + 1);
-    for (let k = 0; k < ids.length; k++) {
-      const id = ids[k]!;
-      const was = this.layer[id]!;
-      if (was && before) before(id);
-      if (chunk.gone) {
-        if (was) this.count--;
-        this.layer[id] = 0;
-        continue;
+  // Takes a chunk in; its items' ids are then as `id` says.
+  take(chunk: ItemChunk): void {
+    const { n, ids, first, x, y, dx, dy, scale, turn, kind, fill, flags } = chunk;
+    if (!n) return;
+    this.reserve(Items.id(chunk, n - 1) + 1);
+    for (let k = 0; k < n; k++) {
+      const id = ids ? ids[k]! : first + k;
+      if (this.layer[id]) this.count--;
+      if (!chunk.gone) this.count++;
+      this.layer[id] = chunk.gone ? 0 : chunk.layer;
+    }
+    if (!ids) {
+      if (x) this.x.set(x, first);
+      if (y) this.y.set(y, first);
+      if (scale) this.scale.set(scale, first);
+      if (turn) this.turn.set(turn, first);
+      if (kind) this.kind.set(kind, first);
+      if (fill) this.fill.set(fill, first);
+      if (flags) this.flags.set(flags, first);
+    }
+    for (let k = 0; k < n && (ids || dx); k++) {
+      const id = ids ? ids[k]! : first + k;
+      if (dx) {
+        this.x[id]! += dx[k]!;
+        this.y[id]! += dy![k]!;
       }
-      if (!was) this.count++;
-      this.layer[id] = chunk.layer;
+      if (!ids) continue;
       if (x) this.x[id] = x[k]!;
       if (y) this.y[id] = y[k]!;
       if (scale) this.scale[id] = scale[k]!;
@@ -41,8 +53,12 @@ export class Items {
       if (kind) this.kind[id] = kind[k]!;
       if (fill) this.fill[id] = fill[k]!;
       if (flags) this.flags[id] = flags[k]!;
-      if (after) after(id);
     }
+  }
+
+  // The id of a chunk's k-th item.
+  static id(chunk: ItemChunk, k: number): number {
+    return chunk.ids ? chunk.ids[k]! : chunk.first + k;
   }
 
   private reserve(end: number): void {

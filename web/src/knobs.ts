@@ -10,6 +10,7 @@ export interface Control {
 
 const STEPS = 1000; // of a slider
 const WIDE = 15; // a range over its usual number from which a slider is finer about 0
+const LARGE = 1e5; // numbers up to this fit into a short field
 const LONG = 100; // mm at a slider's end; longer ones are typed in
 
 // A labelled control for a knob; `change` is called with every value that is right. Nothing typed in means the knob's own default.
@@ -22,6 +23,8 @@ export function control(knob: Knob, value: KnobValue, change: (value: KnobValue)
 }
 
 const WRITTEN: Record<string, string> = { pdfx: "PDF/X", pdfa: "PDF/A", icc: "ICC profile", dpi: "DPI" };
+
+const KNOWN: Record<string, string[]> = { paper: ["a4", "a5", "letter"] }; // names that are proposed, beside which others are right
 
 export function title(name: string): string {
   if (WRITTEN[name]) return WRITTEN[name];
@@ -54,7 +57,7 @@ function range(knob: Knob, value: KnobValue, change: (value: KnobValue) => void)
   const [low, high] = [knob.low ?? 0, knob.high ?? 1];
   const scale = sliding(low, high, typeof knob.default === "number" ? knob.default : null, knob.unit);
   const step = knob.whole ? 1 : "any";
-  const number = el("input", { type: "number", id, min: low, max: high, step, title: knob.help, placeholder: knob.default === null ? "auto" : null });
+  const number = el("input", { type: "number", id, class: high >= LARGE ? "long" : null, min: low, max: high, step, title: knob.help, placeholder: knob.default === null ? "auto" : null });
   const slider = el("input", { type: "range", min: 0, max: STEPS, tabindex: -1, "aria-hidden": "true", title: knob.help });
   const say = (now: number): void => {
     number.setCustomValidity("");
@@ -98,7 +101,9 @@ function neat(value: number, whole: boolean): number {
 function words(knob: Knob, value: KnobValue, change: (value: KnobValue) => void): Control {
   const id = unique("knob");
   const several = knob.kind === "numbers";
-  const field = el("input", { type: "text", id, title: knob.help, spellcheck: "false", placeholder: knob.default === null ? "auto" : null });
+  const known = KNOWN[knob.name]?.map((text) => el("option", { value: text })) ?? [];
+  const list = known.length ? el("datalist", { id: unique("known") }, ...known) : null;
+  const field = el("input", { type: "text", id, title: knob.help, spellcheck: "false", placeholder: knob.default === null ? "auto" : null, list: list?.id });
   field.addEventListener("change", () => {
     const text = field.value.trim();
     const numbers = text.split(/[\s,;]+/).map(Number);
@@ -107,7 +112,7 @@ function words(knob: Knob, value: KnobValue, change: (value: KnobValue) => void)
     if (wrong) field.reportValidity();
     else change(text === "" ? knob.default : several ? numbers : text);
   });
-  return shown(labelled(knob, id, field), value, (now) => (field.value = now === null ? "" : Array.isArray(now) ? now.join(", ") : String(now)));
+  return shown(labelled(knob, id, field, list), value, (now) => (field.value = now === null ? "" : Array.isArray(now) ? now.join(", ") : String(now)));
 }
 
 // A choice among libraries with their shapes beneath, to take one of them alone.

@@ -6,9 +6,16 @@ import type { FromKernel, ToKernel } from "./wire";
 interface Model {
   get: (name: string) => unknown;
   send: (content: object) => void;
-  on: (event: "msg:custom", heard: (content: Said, buffers: DataView[]) => void) => void;
-  off: (event: "msg:custom", heard: (content: Said, buffers: DataView[]) => void) => void;
+  on: Listens;
+  off: Listens;
 }
+
+interface Listens {
+  (event: "msg:custom", heard: (content: Said, buffers: DataView[]) => void): void;
+  (event: "comm_live_update", heard: () => void): void; // the kernel has ended or begins anew
+}
+
+const ENDED = 1001; // as a socket is closed by a server that ends
 
 type Said = { view: string } & ({ text: string } | { frame: true } | { got: string; type: string } | { closed: number });
 
@@ -22,8 +29,14 @@ function render({ model, el }: { model: Model; el: HTMLElement }): () => void {
     const message: FromKernel = "frame" in said ? { frame: bytes! } : "got" in said ? { ...said, data: bytes } : said;
     channel.port1.postMessage(message);
   };
-  channel.port1.onmessage = ({ data }: MessageEvent<ToKernel>) => model.send({ view, ...data });
+  let alive = true;
+  const end = (): void => {
+    alive = false;
+    channel.port1.postMessage({ closed: ENDED } satisfies FromKernel);
+  };
+  channel.port1.onmessage = ({ data }: MessageEvent<ToKernel>) => alive && model.send({ view, ...data });
   model.on("msg:custom", heard);
+  model.on("comm_live_update", end);
   frame.title = "Crowquill's editor";
   Object.assign(frame.style, { width: "100%", height: `${Number(model.get("height"))}px`, border: "0" });
   frame.addEventListener("load", () => frame.contentWindow!.postMessage("crowquill", "*", [channel.port2]), { once: true });
@@ -31,7 +44,8 @@ function render({ model, el }: { model: Model; el: HTMLElement }): () => void {
   el.append(frame);
   return () => {
     model.off("msg:custom", heard);
-    model.send({ view, close: true });
+    model.off("comm_live_update", end);
+    if (alive) model.send({ view, close: true });
     channel.port1.close();
   };
 }

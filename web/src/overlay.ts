@@ -18,7 +18,14 @@ export class Overlay {
   constructor(private readonly desk: Desk) {
     const { drawing, viewport, appearance, tool, region, settings } = desk;
     const ask = (): void => this.ask();
-    for (const signal of [drawing.changed, viewport.changed, appearance.changed]) signal.on(ask);
+    for (const signal of [viewport.changed, appearance.changed]) signal.on(ask);
+    let shown = "";
+    drawing.changed.on(() => {
+      const { wall = null, selected = 0 } = drawing.state.value ?? {};
+      const now = JSON.stringify([wall, selected, drawing.canvas]);
+      if (selected || now !== shown) ask(); // a selection may have moved
+      shown = now;
+    });
     for (const watched of [drawing.hello, tool, region]) watched.on(ask);
     settings.changed.on(ask);
   }

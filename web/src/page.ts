@@ -25,6 +25,7 @@ import { Viewport } from "./viewport";
 import { viewPanel } from "./viewpanel";
 import { Watched } from "./watch";
 import type { Wire } from "./wire";
+import { work } from "./work";
 
 // Begins the page, with the address of its own script and its wire to the server.
 export function begin(script: string, wire: Wire): void {
@@ -54,18 +55,32 @@ export function begin(script: string, wire: Wire): void {
   desk.tool.on(() => show("Tool"));
   mapShown(desk);
   showing(desk, tell);
+  work(desk);
   commands(desk, pointing(desk, overlay, new Status(desk)));
-  let name = "";
+  let shown = "";
+  desk.drawing.begun((hello) => (desk.tools.value = tools(desk, hello.operations)));
   desk.drawing.hello.on((hello) => {
     if (!hello) return;
-    if (name !== hello.name) desk.layer.value = desk.region.value = null; // of another drawing
-    name = hello.name;
-    desk.tools.value = tools(desk, hello.operations);
+    const now = JSON.stringify([hello.name, hello.size, hello.art]);
+    if (now !== shown) desk.region.value = null; // of another drawing, or another place
+    if (!shown.startsWith(JSON.stringify([hello.name]).slice(0, -1))) desk.layer.value = null;
+    if (!shown) hint(desk);
+    shown = now;
     for (const note of hello.notes) messages.note(note);
   });
   link.lost.on((text) => messages.error(text));
   Object.assign(window, { crowquill: { desk, painted } }); // for tests and the curious
   void libraries(desk).finally(() => link.connect());
+}
+
+// Says what to do with an empty canvas that nothing was done to.
+function hint(desk: Desk): void {
+  let told = false;
+  desk.drawing.changed.on(() => {
+    const { marks, undo, redo } = desk.drawing.state.value!;
+    if (!told && !marks && !undo.length && !redo.length) desk.messages.note("Draw with a brush, or let a style draw it all: the panel Style.");
+    told = true;
+  });
 }
 
 async function libraries(desk: Desk): Promise<void> {

@@ -7,14 +7,19 @@ import { SIDE, TilePainter } from "./tile";
 import { Underlay } from "./underlay";
 
 const BUDGET = 14; // ms of a frame for new tiles
+const STEADY = 24; // where the view stands still
+const PATIENCE = 60; // ms in which no half of a change is shown
 const STILL = 70; // ms without zooming, after which tiles of the new scale are made
-const MOST = 240; // tiles kept: 60 MB
+const MOST = 160; // tiles kept: 40 MB, and as much for what lies beneath them
+const SPARE = 40; // canvases of tiles kept for others
 
 interface Tile {
   column: number;
   row: number;
-  bitmap: ImageBitmap | null;
+  canvas: OffscreenCanvas | null;
   fresh: boolean;
+  grounds: Map<number | null, Uint32Array | null>; // what lies beneath and between its marks, as the underlay was at `version`
+  version: number;
 }
 
 interface Tiles {
@@ -26,8 +31,7 @@ class Painter {
   private readonly scene = new Scene();
   private readonly underlay = new Underlay();
   private readonly tilePainter = new TilePainter();
-  private readonly marks = new OffscreenCanvas(SIDE, SIDE);
-  private readonly whole = new OffscreenCanvas(SIDE, SIDE);
+  private readonly spare: OffscreenCanvas[] = [];
   private canvas: OffscreenCanvas | null = null;
   private look: Look | null = null;
   private view: View = { scale: 1, x: 0, y: 0 };
@@ -35,6 +39,8 @@ class Painter {
   private before: Tiles | null = null; // those of the last scale, shown until the new are there
   private zoomed = 0; // when the scale last changed
   private asked = false;
+  private moved = true; // the view, since it was drawn last
+  private drawn = 0; // when the canvas was
   private frames = 0;
   private coming = 0; // the revision that the scene is on its way to, and how many frames it wants yet
   private missing = 0;
@@ -69,6 +75,8 @@ class Painter {
         break;
       case "look":
         this.look = message.look;
+        this.moved = true;
+        this.underlay.version++;
         this.scene.touchAll();
         break;
       case "image":
@@ -98,6 +106,7 @@ class Painter {
     if (this.canvas && (this.canvas.width !== width || this.canvas.height !== height)) [this.canvas.width, this.canvas.height] = [width, height];
     if (view.scale !== this.view.scale) this.zoomed = performance.now();
     this.view = view;
+    this.moved = true;
   }
 
   private ask(): void {
@@ -114,10 +123,14 @@ class Painter {
     const settled = began - this.zoomed > STILL || !this.tiles.all.size;
     if (settled && this.tiles.scale !== this.view.scale) this.change();
     this.mark();
-    const left = settled ? this.make(began + BUDGET) : 1;
-    this.draw(context);
+    const left = settled ? this.make(began + (this.moved ? BUDGET : STEADY)) : 1;
+    if (!left || this.moved || began - this.drawn > PATIENCE) {
+      this.draw(context);
+      this.drawn = began;
+      this.moved = false;
+    }
     if (!left) {
-      this.before = drop(this.before);
+      this.before = this.drop(this.before);
       this.shown = this.revision;
     } else this.ask();
     this.frames++;
@@ -128,9 +141,9 @@ class Painter {
 
   // Begins the tiles of the view's scale; those there are stay on the screen meanwhile.
   private change(): void {
-    const known = [...this.tiles.all.values()].some((tile) => tile.bitmap);
+    const known = [...this.tiles.all.values()].some((tile) => tile.canvas);
     if (known) {
-      drop(this.before);
+      this.drop(this.before);
       this.before = this.tiles;
     }
     this.tiles = { scale: this.view.scale, all: new Map() };
@@ -166,14 +179,16 @@ class Painter {
   private paint(tile: Tile): void {
     const { scale } = this.tiles;
     const [x, y] = [tile.column * SIDE, tile.row * SIDE];
-    const image = this.tilePainter.paint(this.scene, scale, tile.column, tile.row, this.look!.tints);
-    this.marks.getContext("2d", { willReadFrequently: true })!.putImageData(image, 0, 0);
-    const whole = this.whole.getContext("2d", { willReadFrequently: true })!;
-    whole.clearRect(0, 0, SIDE, SIDE);
-    this.underlay.draw(whole, scale, x, y, this.look!, this.scene.layers);
-    whole.drawImage(this.marks, 0, 0);
-    tile.bitmap?.close();
-    tile.bitmap = this.whole.transferToImageBitmap();
+    if (tile.version !== this.underlay.version) tile.grounds.clear();
+    tile.version = this.underlay.version;
+    const ground = (which: number | null): Uint32Array | null => {
+      let pixels = tile.grounds.get(which);
+      if (pixels === undefined) tile.grounds.set(which, (pixels = this.underlay.pixels(which, scale, x, y, this.look!)));
+      return pixels;
+    };
+    const image = this.tilePainter.paint(this.scene, scale, tile.column, tile.row, this.look!.tints, ground);
+    tile.canvas ??= this.spare.pop() ?? new OffscreenCanvas(SIDE, SIDE);
+    tile.canvas.getContext("2d", { willReadFrequently: true })!.putImageData(image, 0, 0);
     tile.fresh = true;
   }
 
@@ -187,7 +202,7 @@ class Painter {
       for (let column = Math.max(-1, Math.floor(-view.x / SIDE)); column <= most(scene.width, canvas!.width, view.x); column++) {
         const key = (row + 1) * 1e6 + column + 1;
         let tile = tiles.all.get(key);
-        if (!tile) tiles.all.set(key, (tile = { column, row, bitmap: null, fresh: false }));
+        if (!tile) tiles.all.set(key, (tile = { column, row, canvas: null, fresh: false, grounds: new Map(), version: -1 }));
         found.push(tile);
       }
     }
@@ -199,7 +214,7 @@ class Painter {
     const near = new Set(this.inSight());
     for (const [key, tile] of this.tiles.all) {
       if (near.has(tile)) continue;
-      tile.bitmap?.close();
+      this.free(tile);
       this.tiles.all.delete(key);
     }
   }
@@ -216,19 +231,24 @@ class Painter {
       if (!tiles) continue;
       const zoom = view.scale / tiles.scale;
       const side = SIDE * zoom;
-      for (const { column, row, bitmap } of tiles.all.values()) {
+      for (const { column, row, canvas } of tiles.all.values()) {
         const [left, top] = [x + column * side, y + row * side];
-        if (!bitmap || left >= width || top >= height || left + side <= 0 || top + side <= 0) continue;
-        if (zoom === 1) context.drawImage(bitmap, left, top);
-        else context.drawImage(bitmap, left, top, side, side);
+        if (!canvas || left >= width || top >= height || left + side <= 0 || top + side <= 0) continue;
+        if (zoom === 1) context.drawImage(canvas, left, top);
+        else context.drawImage(canvas, left, top, side, side);
       }
     }
   }
-}
 
-function drop(tiles: Tiles | null): null {
-  for (const tile of tiles?.all.values() ?? []) tile.bitmap?.close();
-  return null;
+  private drop(tiles: Tiles | null): null {
+    for (const tile of tiles?.all.values() ?? []) this.free(tile);
+    return null;
+  }
+
+  private free(tile: Tile): void {
+    if (tile.canvas && this.spare.length < SPARE) this.spare.push(tile.canvas);
+    tile.canvas = null;
+  }
 }
 
 export function paint(): void {

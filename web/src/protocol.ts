@@ -23,7 +23,7 @@ export type Params = Record<string, KnobValue>;
 export interface Operation {
   name: string;
   help: string;
-  group: "brush" | "select" | "relax" | "layer" | "style" | "map";
+  group: "brush" | "select" | "relax" | "layer" | "style" | "map" | "paper";
   knobs: Knob[];
 }
 
@@ -46,6 +46,8 @@ export interface Layer {
   id: number;
   name: string;
   kind: "marks" | "objects" | "tiles" | "still";
+  ink: string;
+  spot: boolean;
   cmyk: [number, number, number, number];
   rgb: [number, number, number];
   pen: number | null;
@@ -68,6 +70,7 @@ export interface Busy {
   n: number;
   op: string;
   paused: boolean;
+  single: boolean; // of which nothing stays if it is stopped
 }
 
 export interface State {
@@ -140,9 +143,13 @@ export interface Request {
 export interface ItemChunk {
   layer: number;
   gone: boolean;
-  ids: Uint32Array;
+  n: number;
+  first: number;
+  ids?: Uint32Array; // left out: first, first + 1, ...
   x?: Int32Array;
   y?: Int32Array;
+  dx?: Int16Array; // in place of x and y: how far from where they were
+  dy?: Int16Array;
   scale?: Uint32Array;
   turn?: Uint16Array;
   kind?: Uint32Array;
@@ -186,6 +193,8 @@ const TURN = 4;
 const KIND = 8;
 const FILL = 16;
 const FLAGS = 32;
+const RANGE = 64;
+const STEPS = 128;
 const MAPS = ["tone", "importance"] as const;
 const LINES = ["cells", "axes", "flow"] as const;
 
@@ -206,6 +215,10 @@ class Reader {
     return this.taken(new Uint16Array(this.buffer, this.at, n));
   }
 
+  steps(n: number): Int16Array {
+    return this.taken(new Int16Array(this.buffer, this.at, n));
+  }
+
   bytes(n: number): Uint8Array {
     return this.taken(new Uint8Array(this.buffer, this.at, n));
   }
@@ -221,9 +234,13 @@ class Reader {
 }
 
 function itemChunk(reader: Reader): ItemChunk {
-  const [layer, n, columns] = reader.words(4) as unknown as [number, number, number];
-  const chunk: ItemChunk = { layer, gone: columns === 0, ids: reader.words(n) };
-  if (columns & XY) {
+  const [layer, n, columns, first] = reader.words(4) as unknown as [number, number, number, number];
+  const chunk: ItemChunk = { layer, gone: (columns & ~RANGE) === 0, n, first };
+  if (!(columns & RANGE)) chunk.ids = reader.words(n);
+  if (columns & STEPS) {
+    chunk.dx = reader.steps(n);
+    chunk.dy = reader.steps(n);
+  } else if (columns & XY) {
     chunk.x = reader.whole(n);
     chunk.y = reader.whole(n);
   }

@@ -11,9 +11,9 @@ const SHOWN = ["energy", "movement", "turning"];
 
 export function relaxPanel(desk: Desk): HTMLElement {
   const panel = el("div", { class: "panel" });
-  desk.drawing.hello.on((hello) => {
+  desk.drawing.begun((hello) => {
     const relax = desk.operation("relax");
-    const others = hello?.operations.filter((one) => one.group === "relax" && one !== relax) ?? [];
+    const others = hello.operations.filter((one) => one.group === "relax" && one !== relax);
     panel.replaceChildren(...(relax ? relaxation(desk, relax) : []), ...others.map((one) => mosaic(desk, one)));
   });
   return panel;
@@ -63,8 +63,11 @@ function relaxation(desk: Desk, relax: Operation): HTMLElement[] {
   desk.drawing.state.on((state) => {
     const busy = state?.busy ?? null;
     const running = busy !== null && !busy.paused;
-    set(play, { "aria-label": running ? "Pause" : busy ? "Go on" : "Play" });
-    play.replaceChildren(icon(running ? ICONS.pause! : ICONS.play!), running ? "Pause" : busy ? "Go on" : "Play");
+    const words = running ? "Pause" : busy ? "Go on" : "Play";
+    if (play.getAttribute("aria-label") !== words || !play.childNodes.length) {
+      set(play, { "aria-label": words });
+      play.replaceChildren(icon(running ? ICONS.pause! : ICONS.play!), words);
+    }
     stop.disabled = cancel.disabled = !busy;
     one.disabled = some.disabled = busy !== null;
     for (const option of on.options) if (option.value === "selection") option.disabled = !state?.selected;

@@ -1,9 +1,9 @@
 // What there is to paint, as the painter keeps it: items in a grid for each layer, kinds as outlines, and which places have changed.
 
 import { Grid, ACROSS } from "./grid";
-import { Items } from "./items";
+import { Items, grown } from "./items";
 import { Outline } from "./outline";
-import type { Frame, Kind, Layer, LineKind, LineSet } from "./protocol";
+import type { Frame, ItemChunk, Kind, Layer, LineKind, LineSet } from "./protocol";
 
 export class Scene {
   readonly items = new Items();
@@ -16,6 +16,8 @@ export class Scene {
   private reaches = new Map<number, number>(); // um, of each layer's largest
   private changed = new Grid(1, 1, 1); // its cells' numbers alone are used
   private stale = new Uint8Array(1);
+  private cells = new Int32Array(0); // of each item, -1 without one
+  private homes = new Uint32Array(0); // the layer in whose grid it is
 
   // A paper of mm; items stay until a reset, so that the screen is not empty meanwhile.
   begin(width: number, height: number): void {
@@ -30,6 +32,8 @@ export class Scene {
 
   reset(): void {
     this.items.clear();
+    this.cells.fill(-1);
+    this.homes.fill(0);
     this.kinds.clear();
     this.grids.clear();
     this.reaches.clear();
@@ -55,20 +59,39 @@ export class Scene {
       this.lines.set(frame.lines.what, new LineGrid(frame.lines, this.grid()));
       this.stale.fill(1);
     }
-    if (frame.type !== "items") return;
-    const { items } = this;
-    const before = (id: number): void => {
-      this.gridOf(items.layer[id]!).remove(id);
-      this.touch(id);
-    };
-    const after = (id: number): void => {
-      const layer = items.layer[id]!;
-      this.gridOf(layer).add(id, this.changed.cell(items.x[id]!, items.y[id]!));
-      const reach = this.reachOf(id);
-      if (reach > (this.reaches.get(layer) ?? 0)) this.reaches.set(layer, reach);
-      this.touch(id);
-    };
-    for (const chunk of frame.chunks) items.take(chunk, before, after);
+    if (frame.type === "items") for (const chunk of frame.chunks) this.change(chunk);
+  }
+
+  // Takes a chunk in; items go to other cells of their grids where they must, and both are stale then.
+  private change(chunk: ItemChunk): void {
+    const { items, changed, stale } = this;
+    items.take(chunk);
+    if (items.layer.length > this.cells.length) {
+      this.cells = grown(this.cells, new Int32Array(items.layer.length).fill(-1, this.cells.length));
+      this.homes = grown(this.homes, new Uint32Array(items.layer.length));
+    }
+    const { cells, homes } = this;
+    const grid = this.gridOf(chunk.layer);
+    for (let k = 0; k < chunk.n; k++) {
+      const id = Items.id(chunk, k);
+      const was = cells[id]!;
+      const now = chunk.gone ? -1 : changed.cell(items.x[id]!, items.y[id]!);
+      if (was >= 0) stale[was] = 1;
+      if (now >= 0) stale[now] = 1;
+      if (was === now && homes[id] === chunk.layer) continue;
+      if (was >= 0) this.gridOf(homes[id]!).remove(id);
+      if (now >= 0) grid.add(id, now);
+      cells[id] = now;
+      homes[id] = chunk.layer;
+    }
+    if (!chunk.gone && (chunk.scale || chunk.kind || chunk.fill)) this.reach(chunk);
+  }
+
+  // Finds how far the largest items of a chunk's layer reach.
+  private reach(chunk: ItemChunk): void {
+    let most = this.reaches.get(chunk.layer) ?? 0;
+    for (let k = 0; k < chunk.n; k++) most = Math.max(most, this.reachOf(Items.id(chunk, k)));
+    this.reaches.set(chunk.layer, most);
   }
 
   forget(what: LineKind): void {
@@ -117,10 +140,6 @@ export class Scene {
   private margin(layer: number): number {
     const pen = this.layers.find((one) => one.id === layer)?.pen ?? 0;
     return (this.reaches.get(layer) ?? 0) + 500 * pen;
-  }
-
-  private touch(id: number): void {
-    this.stale[this.changed.cell(this.items.x[id]!, this.items.y[id]!)] = 1;
   }
 
   private gridOf(layer: number): Grid {

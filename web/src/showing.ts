@@ -30,11 +30,12 @@ export function showing(desk: Desk, tell: Tell): void {
   const look = (): void => tell({ do: "look", look: appearance.look });
   appearance.changed.on(look);
   look();
-  let name = "";
+  let shown = "";
   drawing.hello.on((hello) => {
     if (!hello) return;
-    if (name !== hello.name) viewport.show(hello.size); // the same file after a broken line stays where it was
-    name = hello.name;
+    const now = JSON.stringify([hello.name, hello.size]);
+    if (now !== shown) viewport.show(hello.size); // the same paper after a broken line stays where it was
+    shown = now;
   });
   images(desk, tell);
 }

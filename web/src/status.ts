@@ -1,14 +1,13 @@
 // The line at the foot of the canvas, the state of saving, and the banner when the line is broken.
 
 import type { Desk } from "./desk";
-import { byId, set } from "./dom";
+import { byId, put, set } from "./dom";
 import type { Line } from "./link";
 
-const LINES: Record<Line, string> = {
+const LINES: Record<Exclude<Line, "ended">, string> = {
   connecting: "",
   open: "",
   broken: "The connection broke. Nothing is lost; connecting again…",
-  ended: "The server has ended. All is saved: start crowquill edit again and open the address that it prints.",
 };
 
 export class Status {
@@ -20,7 +19,7 @@ export class Status {
     viewport.changed.on(() => this.scale());
     drawing.changed.on(() => {
       const { marks = 0, selected = 0 } = drawing.state.value ?? {};
-      byId("count").textContent = `${marks.toLocaleString("en")} marks${selected ? `, ${selected.toLocaleString("en")} selected` : ""}`;
+      put(byId("count"), `${marks.toLocaleString("en")} marks${selected ? `, ${selected.toLocaleString("en")} selected` : ""}`);
     });
     drawing.hello.on((hello) => {
       if (!hello) return;
@@ -36,13 +35,13 @@ export class Status {
       byId("tab-count").textContent = count > 1 ? `Open in ${count} tabs` : "";
     });
     link.line.on((line) => {
-      this.banner(LINES[line]);
+      this.banner(this.lineText(line));
       set(byId("app"), { "data-line": line });
     });
     drawing.steps.on((step) => {
       if (step.stage === "recover") this.banner(`Doing again what was done: ${step.done} of ${step.total} changes`);
     });
-    drawing.state.on((state) => state && this.banner(LINES[link.line.value]));
+    drawing.state.on((state) => state && this.banner(this.lineText(link.line.value)));
   }
 
   // Says where the pointer is, mm; null: it is elsewhere.
@@ -50,6 +49,10 @@ export class Status {
     const px = this.desk.viewport.scale;
     const digits = Math.max(1, Math.min(3, Math.ceil(Math.log10(px))));
     this.place.textContent = place ? `${place[0].toFixed(digits)}, ${place[1].toFixed(digits)} mm` : "";
+  }
+
+  private lineText(line: Line): string {
+    return line === "ended" ? this.desk.link.wire.ended : LINES[line];
   }
 
   private banner(text: string): void {

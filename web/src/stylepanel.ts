@@ -3,13 +3,14 @@
 import type { Desk } from "./desk";
 import { button, el, unique } from "./dom";
 import { controls } from "./form";
-import { title } from "./knobs";
 import type { Operation } from "./protocol";
+
+const FIRST = "redraw stipple"; // the style in hand at first
 
 export function stylePanel(desk: Desk): HTMLElement {
   const panel = el("div", { class: "panel" });
-  desk.drawing.hello.on((hello) => {
-    const styles = hello?.operations.filter((one) => one.group === "style") ?? [];
+  desk.drawing.begun((hello) => {
+    const styles = hello.operations.filter((one) => one.group === "style");
     if (styles.length) panel.replaceChildren(...redrawing(desk, styles));
   });
   return panel;
@@ -23,6 +24,7 @@ function redrawing(desk: Desk, styles: Operation[]): HTMLElement[] {
   const list = el("select", { id: unique("style") }, ...styles.map((one) => el("option", { value: one.name }, short(one))));
   const body = el("div", {});
   const made = new Map<string, HTMLElement>();
+  if (styles.some((one) => one.name === FIRST)) list.value = FIRST;
   const chosen = (): Operation => styles.find((one) => one.name === list.value)!;
   const show = (): void => {
     const operation = chosen();
@@ -32,17 +34,16 @@ function redrawing(desk: Desk, styles: Operation[]): HTMLElement[] {
   const where = el("p", { class: "help" });
   const send = (path: number[] | null): void => {
     const operation = chosen();
-    desk.messages.note(`${title(short(operation))} is being drawn; Stop ends it.`);
     void desk.apply(operation.name, { ...desk.settings.params(operation), ...(path ? { path } : {}) });
   };
   const region = button("Draw the region anew", () => send(desk.region.value), { class: "wide primary" });
   const all = button("Draw all anew", () => send(null), { class: "wide" });
-  const stop = button("Stop", () => void desk.ask({ do: "cancel" }), { class: "wide" });
   desk.region.on((path) => {
-    region.disabled = !path;
+    region.hidden = !path;
+    all.classList.toggle("primary", !path);
     where.textContent = path ? "The region is outlined on the canvas." : "To draw a part alone, outline it with the region tool (D).";
   });
-  desk.drawing.state.on((state) => (stop.disabled = !state?.busy?.op.startsWith("redraw")));
+  desk.drawing.state.on((state) => (region.disabled = all.disabled = Boolean(state?.busy)));
   list.addEventListener("change", show);
   show();
   return [
@@ -52,6 +53,5 @@ function redrawing(desk: Desk, styles: Operation[]): HTMLElement[] {
     where,
     region,
     all,
-    stop,
   ];
 }

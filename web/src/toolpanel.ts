@@ -1,7 +1,7 @@
 // The panel of the tool in hand: what it does, its knobs, and what can be done with the selection.
 
 import type { Desk } from "./desk";
-import { button, el } from "./dom";
+import { button, el, put } from "./dom";
 import { controls, form } from "./form";
 import type { Operation, Params } from "./protocol";
 import type { Tool } from "./tools";
@@ -15,7 +15,7 @@ export function toolPanel(desk: Desk): HTMLElement {
     if (!made.has(tool)) made.set(tool, about(desk, tool));
     head.replaceChildren(made.get(tool)!);
   });
-  desk.drawing.hello.on((hello) => hello && chosen.replaceChildren(...selection(desk)));
+  desk.drawing.begun(() => chosen.replaceChildren(...selection(desk)));
   return el("div", { class: "panel" }, head, chosen);
 }
 
@@ -69,7 +69,7 @@ function selection(desk: Desk): HTMLElement[] {
   ];
   desk.drawing.changed.on(() => {
     const { selected = 0, marks = 0 } = desk.drawing.state.value ?? {};
-    count.textContent = `${selected.toLocaleString("en")} of ${marks.toLocaleString("en")} selected`;
+    put(count, `${selected.toLocaleString("en")} of ${marks.toLocaleString("en")} selected`);
     for (const one of needs) one.disabled = !selected;
   });
   return all.filter((one): one is HTMLElement => one !== null);

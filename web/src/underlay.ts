@@ -1,7 +1,8 @@
 // What lies beneath the items: the paper, the picture or a map of the tone on it, and what is on the sheet but not edited.
 
 import type { Look, Under } from "./painting";
-import type { Layer, Patch } from "./protocol";
+import type { Patch } from "./protocol";
+import { SIDE } from "./tile";
 
 type Image = ImageBitmap | OffscreenCanvas;
 type Box = [number, number, number, number]; // x, y, width, height
@@ -13,22 +14,27 @@ const SHOWN: Record<Patch["map"], (value: number) => [number, number, number, nu
 };
 
 export class Underlay {
+  version = 0; // rises with every change
   private readonly images = new Map<Under | number, Image[]>(); // each half as large as the one before
+  private readonly scratch = new OffscreenCanvas(SIDE, SIDE);
   size: [number, number] = [1, 1];
   art: Box = [0, 0, 1, 1];
 
   show(name: "picture" | number, bitmap: ImageBitmap | null): void {
+    this.version++;
     this.images.delete(name);
     if (bitmap) this.images.set(name, halves(bitmap));
   }
 
   forgetMaps(): void {
+    this.version++;
     this.images.delete("tone");
     this.images.delete("importance");
   }
 
   // Takes a part of a map; the box of it on the paper, um: left, top, right, bottom.
   take(patch: Patch): Box {
+    this.version++;
     const kept = this.images.get(patch.map)?.[0];
     const fits = kept instanceof OffscreenCanvas && kept.width === patch.columns && kept.height === patch.rows;
     const canvas = fits ? kept : new OffscreenCanvas(patch.columns, patch.rows);
@@ -42,13 +48,19 @@ export class Underlay {
     return [left, top, left + (patch.width + 2) * across, top + (patch.height + 2) * down];
   }
 
-  // Draws what lies beneath a tile whose corner is at x, y px, at px to the mm.
-  draw(context: OffscreenCanvasRenderingContext2D, scale: number, x: number, y: number, look: Look, layers: Layer[]): void {
+  // The pixels of a tile whose corner is at x, y px, at px to the mm: of the paper and what is shown on it, or of the still layer of an id;
+  // null where that has none.
+  pixels(which: number | null, scale: number, x: number, y: number, look: Look): Uint32Array | null {
+    if (which !== null && !this.images.has(which)) return null;
+    const context = this.scratch.getContext("2d", { willReadFrequently: true })!;
     const [width, height] = this.size;
-    context.fillStyle = look.paper;
-    context.fillRect(-x, -y, width * scale, height * scale);
-    this.lay(context, look.under, this.art, scale, x, y, look.opacity);
-    for (const layer of layers) if (layer.kind === "still" && !layer.hidden) this.lay(context, layer.id, [0, 0, width, height], scale, x, y, 1);
+    context.clearRect(0, 0, SIDE, SIDE);
+    if (which === null) {
+      context.fillStyle = look.paper;
+      context.fillRect(-x, -y, width * scale, height * scale);
+      this.lay(context, look.under, this.art, scale, x, y, look.opacity);
+    } else this.lay(context, which, [0, 0, width, height], scale, x, y, 1);
+    return new Uint32Array(context.getImageData(0, 0, SIDE, SIDE).data.buffer);
   }
 
   private lay(context: OffscreenCanvasRenderingContext2D, name: Under | number, box: Box, scale: number, x: number, y: number, alpha: number): void {

@@ -3,6 +3,7 @@
 export interface Wire {
   open: () => Socket;
   get: (name: string) => Promise<Blob | null>; // a file below the page's address; null where there is none
+  readonly ended: string; // what is said when the other side has ended
 }
 
 // What of a WebSocket is used.
@@ -23,6 +24,7 @@ export function network(): Wire {
       const answer = await fetch(new URL(name, location.href));
       return answer.ok ? answer.blob() : null;
     },
+    ended: "The server has ended. All is saved: start crowquill edit again and open the address that it prints.",
   };
 }
 
@@ -35,18 +37,19 @@ class PortSocket extends EventTarget implements Socket {
 
   constructor(private readonly tell: (message: ToKernel) => void) {
     super();
-    queueMicrotask(() => {
-      tell({ open: true });
-      this.readyState = WebSocket.OPEN;
-      this.dispatchEvent(new Event("open"));
-    });
+    queueMicrotask(() => tell({ open: true }));
   }
 
   send(text: string): void {
     this.tell({ text });
   }
 
+  // Takes what the kernel says; it is there once it says anything.
   hear(data: string | ArrayBuffer): void {
+    if (this.readyState === WebSocket.CONNECTING) {
+      this.readyState = WebSocket.OPEN;
+      this.dispatchEvent(new Event("open"));
+    }
     this.dispatchEvent(new MessageEvent("message", { data }));
   }
 
@@ -76,5 +79,6 @@ export function through(port: MessagePort): Wire {
         asked.set(name, [...(asked.get(name) ?? []), done]);
         tell({ get: name });
       }),
+    ended: "The kernel has ended, and the editor with it: run the cell again.",
   };
 }

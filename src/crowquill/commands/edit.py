@@ -1,7 +1,7 @@
 """Edit a picture, a drawing or an SVG of objects by hand, in the browser: brushes, relaxation step by step, an endless undo.
 
 Every change is written at once to a log beside the file, FILE.edits; the file itself is never changed. What was edited before goes on
-where it ended. `crowquill replay FILE.edits OUT` draws the same again.
+where it ended, by states kept in FILE.edits.states, which may be deleted. `crowquill replay FILE.edits OUT` draws the same again.
 """
 
 from __future__ import annotations

@@ -15,6 +15,8 @@ from crowquill.paths import Paths
 ITEMS, RASTER, LINES = 1, 2, 3
 BITS = {"um": 1, "scale": 2, "turn": 4, "kind": 8, "fill": 16, "flags": 32}
 ALL = 63
+RANGE, STEPS = 64, 128  # ids follow each other; places as steps from where they were
+FAR = 2**15  # um: a step is shorter
 
 
 def of_items(old: Drawing | None, new: Drawing, revision: int) -> bytes | None:
@@ -56,8 +58,18 @@ def _changed(layer: int, old: Items, new: Items) -> list[bytes]:
     rows, bits = _different(old, new, there, here)
     if len(rows):
         which = rows if here is None else here[rows]
-        chunks.append(_chunk(layer, new.id[which], bits, _columns(new, which)))
+        steps = _steps(old, new, rows, there, which, bits)
+        columns = _columns(new, which, bits if steps is None else bits & ~BITS["um"])
+        chunks.append(_chunk(layer, new.id[which], bits, columns, steps))
     return chunks
+
+
+def _steps(old: Items, new: Items, rows: Any, there: Any, which: Any, bits: int) -> Columns | None:
+    """How far the items at these rows have moved, um, where all of them moved less than FAR."""
+    if not bits & BITS["um"]:
+        return None
+    way = new.um - old.um if there is None and len(rows) == len(new) else new.um[which] - old.um[rows if there is None else there[rows]]
+    return way.astype("<i2") if way.min() > -FAR and way.max() < FAR else None
 
 
 def _different(old: Items, new: Items, there: Any, here: Any) -> tuple[npt.NDArray[np.int64], int]:
@@ -75,18 +87,24 @@ def _different(old: Items, new: Items, there: Any, here: Any) -> tuple[npt.NDArr
     return np.flatnonzero(differs), bits
 
 
-def _columns(items: Items, rows: Any) -> dict[str, Columns]:
-    flags = items.selected[rows].astype(np.uint8) | items.frozen[rows].astype(np.uint8) << 1
-    return {"flags": flags, **{name: getattr(items, name)[rows] for name in BITS if name != "flags"}}
+def _columns(items: Items, rows: Any, bits: int = ALL) -> dict[str, Columns]:
+    found = {name: getattr(items, name)[rows] for name, bit in BITS.items() if bits & bit and name != "flags"}
+    if bits & BITS["flags"]:
+        found["flags"] = items.selected[rows].astype(np.uint8) | items.frozen[rows].astype(np.uint8) << 1
+    return found
 
 
-def _chunk(layer: int, ids: Columns, bits: int, columns: dict[str, Columns]) -> bytes:
-    parts = [struct.pack("<4I", layer, len(ids), bits, 0), ids.astype("<u4").tobytes()]
+def _chunk(layer: int, ids: Columns, bits: int, columns: dict[str, Columns], steps: Columns | None = None) -> bytes:
+    if steps is not None:
+        bits, columns = bits | STEPS, {**columns, "um": steps}
+    follow = int(ids[-1]) - int(ids[0]) == len(ids) - 1
+    parts = [struct.pack("<4I", layer, len(ids), bits | RANGE * follow, int(ids[0])), b"" if follow else ids.astype("<u4").tobytes()]
     for name, bit in BITS.items():
         if bits & bit:
             column = columns[name]
-            data = np.ascontiguousarray(column.T).astype(column.dtype.newbyteorder("<")).tobytes()
-            parts.append(data + bytes(-len(data) % 4))
+            for row in column.T if column.ndim == 2 else column[None]:
+                data = row.astype(column.dtype.newbyteorder("<"), copy=False).tobytes()
+                parts.append(data + bytes(-len(data) % 4))
     return b"".join(parts)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from crowquill.editor.drawing import Drawing
 from crowquill.editor.log import Entry
+from crowquill.editor.states import States
 
 Perform = Callable[[Drawing, Entry], Drawing]
 ROOM = 512 * 2**20  # bytes of states that are kept; others are made anew from the one before
@@ -14,9 +15,12 @@ ROOM = 512 * 2**20  # bytes of states that are kept; others are made anew from t
 class History:
     """Entries with the drawing that each gives; `at` of them are done."""
 
-    def __init__(self, begun: Drawing, entries: Sequence[Entry], at: int, perform: Perform, room: int = ROOM) -> None:
-        """The history of a drawing that begins so; `perform` gives what an entry makes of a drawing."""
+    def __init__(
+        self, begun: Drawing, entries: Sequence[Entry], at: int, perform: Perform, room: int = ROOM, states: States | None = None
+    ) -> None:
+        """The history of a drawing that begins so; `perform` gives what an entry makes of a drawing. `states` are kept elsewhere."""
         self._perform = perform
+        self._states = states
         self.entries = list(entries)
         self.at = at
         self._kept: dict[int, Drawing] = {0: begun}
@@ -24,7 +28,7 @@ class History:
 
     def run(self) -> Iterator[int]:
         """Makes the drawing that is done, entry by entry; the number of each."""
-        for k in range(1, self.at + 1):
+        for k in range(self._nearest(self.at) + 1, self.at + 1):
             self._state(k)
             yield k
 
@@ -82,10 +86,17 @@ class History:
 
     def _state(self, k: int) -> Drawing:
         """The drawing after k entries, from the last before it that is kept."""
-        first = max(n for n in self._kept if n <= k)
-        for n in range(first, k):
+        for n in range(self._nearest(k), k):
             self._keep(n + 1, self._perform(self._kept[n], self.entries[n]))
         return self._kept[k]
+
+    def _nearest(self, k: int) -> int:
+        """The last number of entries up to k after which the drawing is kept."""
+        first = max(n for n in self._kept if n <= k)
+        found = self._states.last(first, k, self.entries) if self._states and first < k else None
+        if found:
+            self._keep(*found)
+        return found[0] if found else first
 
     def _keep(self, k: int, drawing: Drawing) -> None:
         """Keeps a drawing; where room is short, of the others every second goes, those far from here first. The first stays."""

@@ -20,6 +20,7 @@ from crowquill.editor.session import Session
 RETRY = 2.0  # s between trials to write what waits
 OPEN = 1000  # requests of a page that are not answered yet
 AT_ONCE = ("pause", "resume", "stop", "cancel")
+READING = ("show", "export", "check", "files", "refresh")  # change nothing of the drawing
 Found = TypeVar("Found")
 
 
@@ -35,6 +36,10 @@ class Hub:
         self._thread = ThreadPoolExecutor(1, "drawing")
         self._group = session.history.last_number
         self._unsaved = 0
+        self._beside = ThreadPoolExecutor(1, "reading")
+        self._keeper = ThreadPoolExecutor(1, "states")  # one after the other, as each says which are of what was undone
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._lacking = False
 
     @property
     def busy(self) -> telling.Json | None:
@@ -53,9 +58,12 @@ class Hub:
                         self.player.drop()
                         self.tell({"say": "error", "n": None, "text": told(error)})
                 elif wanted := await self._queue.get():
-                    await self._carry_out(*wanted)
+                    page, request = wanted
+                    page.changes -= request["do"] not in READING
+                    await self._carry_out(page, request)
         finally:
-            saver.cancel()
+            for task in (saver, *self._tasks):
+                task.cancel()
 
     async def close(self, text: str) -> None:
         """Tells all pages that the server ends, and waits for the work under way to give up."""
@@ -65,11 +73,15 @@ class Hub:
                 await page.socket.send_text(json.dumps({"say": "closed", "text": text}))
                 await page.socket.close(1001)
         await asyncio.to_thread(self._thread.shutdown, cancel_futures=True)
+        await asyncio.to_thread(self._beside.shutdown, cancel_futures=True)
+        await asyncio.to_thread(self._keeper.shutdown)
 
     async def serve(self, page: Page) -> None:
         """Serves a page until it goes. What is played ends with the last page."""
         self.pages.add(page)
         self._tell_tabs()
+        if self._unsaved:
+            page.say(telling.saved(self.session.journal))
         tasks = {asyncio.create_task(page.follow(self)), asyncio.create_task(self._listen(page))}
         try:
             await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
@@ -100,9 +112,18 @@ class Hub:
                 page.say({"say": "error", "n": getattr(error, "n", n), "text": str(error)})
 
     def _take(self, page: Page, request: Request) -> None:
-        """Does at once what must be, unless what it is meant for still waits itself, and puts all else in the queue."""
+        """Does at once what must be, unless what it is meant for still waits itself, and puts all else in the queue.
+
+        What only reads is not kept waiting by a long operation, unless a change of the same page waits that it might be about.
+        """
         page.open += 1
+        if request["do"] in READING and self.player.long and not page.changes:
+            task = asyncio.create_task(self._carry_out(page, request))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+            return
         if request["do"] not in AT_ONCE or (not self.player.busy and not self._queue.empty()):
+            page.changes += request["do"] not in READING
             self._queue.put_nowait((page, request))
             return
         try:
@@ -155,17 +176,17 @@ class Hub:
         if request["what"] not in telling.SHOWN:
             raise ValueError(f"no {request['what']!r} to show; there are {', '.join(telling.SHOWN)}")
         revision, drawing = self.revision, self.session.drawing
-        page.say(await self.work(lambda: telling.overlay(drawing, request["what"], request["layer"], revision)))
+        page.say(await self.read(lambda: telling.overlay(drawing, request["what"], request["layer"], revision)))
         return {}
 
     async def _export(self, _page: Page, request: Request) -> telling.Json:
-        return {"files": await self.work(lambda: self.session.export(request["files"], request["options"], overwrite=request["overwrite"]))}
+        return {"files": await self.read(lambda: self.session.export(request["files"], request["options"], overwrite=request["overwrite"]))}
 
     async def _check(self, _page: Page, request: Request) -> telling.Json:
-        return await self.work(lambda: self.session.checked(request["file"]))
+        return await self.read(lambda: self.session.checked(request["file"]))
 
     async def _files(self, _page: Page, _request: Request) -> telling.Json:
-        return {"files": await self.work(self.session.files)}
+        return {"files": await self.read(self.session.files)}
 
     async def _open(self, _page: Page, request: Request) -> telling.Json:
         self.player.check_idle()
@@ -201,15 +222,27 @@ class Hub:
         """What a function gives that is called in the session's thread."""
         return await asyncio.get_running_loop().run_in_executor(self._thread, function)
 
+    async def read(self, function: Callable[[], Found]) -> Found:
+        """What a function gives that changes nothing, called in a thread beside the session's."""
+        return await asyncio.get_running_loop().run_in_executor(self._beside, function)
+
     async def write(self) -> None:
         """Writes down what waits, and tells when that does not go, or goes again."""
-        journal = self.session.journal
-        await self.work(journal.write)
+        session = self.session
+        journal, keep = session.journal, await self.work(session.write)
+        if keep:
+            asyncio.get_running_loop().run_in_executor(self._keeper, self._kept, keep, asyncio.get_running_loop())
         if journal.waiting != self._unsaved:
             self._unsaved = journal.waiting
-            why = f"edits are not written down ({journal.error}); free some space"
-            text = why if journal.waiting else "all edits are written down"
-            self.tell({"say": "saved", "ok": not journal.waiting, "waiting": journal.waiting, "text": text})
+            self.tell(telling.saved(journal))
+
+    def _kept(self, keep: Callable[[], str], loop: asyncio.AbstractEventLoop) -> None:
+        """Keeps a state, in a thread beside; where that fails it is said, once until it goes again."""
+        why = keep()
+        if why and not self._lacking:
+            text = f"the state could not be kept beside the log ({why}): opening it again takes longer; nothing is lost"
+            loop.call_soon_threadsafe(self.tell, {"say": "error", "n": None, "text": text})
+        self._lacking = bool(why)
 
     async def _save(self) -> None:
         """Tries again and again to write what waits."""

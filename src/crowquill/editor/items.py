@@ -147,10 +147,19 @@ class Items:
         """The items at these indices, this mask or slice."""
         return Items(**{name: getattr(self, name)[which] for name in COLUMNS})
 
-    def posed(self, rows: Index | Mask | slice, *, xy: Array | None = None, mm: Array | None = None, angle: Array | None = None) -> Items:
-        """The items, those at these rows with other places, scales or angles; frozen ones keep what they have."""
+    def posed(
+        self,
+        rows: Index | Mask | slice,
+        *,
+        xy: Array | None = None,
+        mm: Array | None = None,
+        angle: Array | None = None,
+        frozen: bool = False,
+    ) -> Items:
+        """The items, those at these rows with other places, scales or angles; frozen ones keep what they have, but on request."""
+        may = None if frozen else ~self.frozen
         changes = {
-            name: _set(getattr(self, name), rows, values, ~self.frozen)
+            name: _set(getattr(self, name), rows, values, may)
             for name, values in (
                 ("um", None if xy is None else micrometres(xy)),
                 ("scale", None if mm is None else sizes(mm)),
@@ -208,7 +217,7 @@ def colours(rgb: npt.ArrayLike) -> Columns:
 
 def _set(column: Columns, rows: Index | Mask | slice, values: Columns, may: Mask | None) -> Columns:
     found = column.copy()
-    if may is not None:
+    if may is not None and not may.all():
         free = may[rows]
         values = np.where(free[:, None] if values.ndim == 2 else free, values, found[rows])
     found[rows] = values

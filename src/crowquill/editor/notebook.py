@@ -109,7 +109,8 @@ class Canvas(anywidget.AnyWidget):
             self._started = True
             return {"type": "lifespan.startup"}
         await self._ended.wait()
-        for queue in self._views.values():
+        for view, queue in self._views.items():
+            self.send({"view": view, "closed": 1001})
             queue.put_nowait({"type": "websocket.disconnect", "code": 1001})
         await asyncio.gather(*self._tasks, return_exceptions=True)
         return {"type": "lifespan.shutdown"}

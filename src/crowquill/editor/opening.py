@@ -23,6 +23,7 @@ from crowquill.halftone.averages import averaged
 from crowquill.recipe import PICTURE, Recipe, Source
 from crowquill.sheet import Ink, Sheet, check_bar
 from crowquill.tone import Tone
+from crowquill.units import UM
 from crowquill.vector import contents
 
 SCHEMA = 1  # a reader refuses a newer one
@@ -180,6 +181,8 @@ def _over(file: Path, picture: Mapping[str, Any]) -> Drawing:
         with tempfile.TemporaryDirectory() as folder:
             wanted, paths = making.located(recipe.parsed(picture, str(file)), kept, file, {}, Path(folder))
             _, tone, _ = making.laid_out(wanted, paths, colour=True)
+        if (art := sheet.recipe.get("art_mm")) and not np.allclose(art, tone.size, rtol=0, atol=UM):  # on another paper than at first
+            tone = tone.fitted(art[0], art[1], "stretch")
         corner = sheet.recipe.get("art_at_mm", (np.array(sheet.size) - tone.size) / 2)
         drawing = _laid(sheet.size, tone, np.round(corner, 3), wanted.paper["margin"], {})
     else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from typing import Protocol
+from typing import Any, Protocol
 
 from starlette.websockets import WebSocket
 
@@ -31,9 +31,11 @@ class Page:
     def __init__(self, socket: WebSocket) -> None:
         self.socket = socket
         self.open = 0
+        self.changes = 0  # of these, those that wait and are to change something
         self.groups: dict[int, int] = {}
         self._session: Session | None = None
         self._shown: Drawing | None = None
+        self._paper: Any = None
         self._revision = 0
         self._said: list[telling.Json | bytes] = []
         self._wake = asyncio.Event()
@@ -83,17 +85,25 @@ class Page:
 
     async def _catch_up(self, hub: Shown) -> None:
         """Sends what is other than what the page shows; in one piece, so that no other frame comes between."""
-        if self._session is not hub.session:
-            self._session = hub.session
+        session, drawing, revision = hub.session, hub.session.drawing, hub.revision
+        if self._session is not session:
+            self._session, self._paper = session, None
+        if self._paper != (paper := _paper(drawing)):
+            await self._send(telling.hello(session, drawing, session.notes if self._paper is None else ()))
+            self._paper = paper
             self.forget()
-            await self._send(telling.hello(hub.session))
-        if self._revision == hub.revision:
+        if self._revision == revision:
             return
-        shown, drawing, revision = self._shown, hub.session.drawing, hub.revision
+        shown = self._shown
         parts = [frames.of_items(shown, drawing, revision), frames.of_maps(shown, drawing, revision)]
         every = [part for part in parts if part]
-        state = telling.state(drawing, shown, hub.session.history.names())
+        state = telling.state(drawing, shown, session.history.names())
         self._shown, self._revision = drawing, revision
         await self._send(state | {"revision": revision, "frames": len(every), "busy": hub.busy})
         for frame in every:
             await self._send(frame)
+
+
+def _paper(drawing: Drawing) -> Any:
+    """What pages lay out by: the paper, its margin, and where the picture lies."""
+    return drawing.size, drawing.margin, tuple(drawing.picture.corner.tolist()), drawing.picture.size

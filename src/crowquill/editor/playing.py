@@ -65,13 +65,18 @@ class Player:
     @property
     def under_way(self) -> Play | None:
         """What is under way, a single one before what is played."""
-        return self._once if self._once and self._once.long else self._played or self._once
+        return self._once if self.long else self._played or self._once
+
+    @property
+    def long(self) -> bool:
+        """Whether a single operation is under way that has steps of its own."""
+        return bool(self._once and self._once.long)
 
     @property
     def busy(self) -> telling.Json | None:
         """What is under way, as pages are told."""
         play = self.under_way
-        return {"n": play.n, "op": play.op, "paused": play.paused} if play else None
+        return {"n": play.n, "op": play.op, "paused": play.paused, "single": play.times == 1} if play else None
 
     @property
     def goes_on(self) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from importlib.metadata import version
@@ -19,11 +20,14 @@ from crowquill.editor.lock import Lock
 from crowquill.editor.log import Entry, Journal
 from crowquill.editor.opening import Header
 from crowquill.editor.operations import find, work
+from crowquill.editor.states import States
 from crowquill.recipe import Recipe
 from crowquill.sheet import Sheet, Step
 from crowquill.vector import contents
 
 Watch = Callable[[Step], None]
+OFTEN = 2.0  # s of work after which the state is kept, so that it need not be done again
+ONCE = 0.5  # s of work for which it is kept when the session ends
 OPENED = (".svg", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".gif", ".bmp")
 
 
@@ -43,6 +47,7 @@ class Session:
         self.file, self.folder = file, file.parent
         self.path = file.with_name(file.name + opening.SUFFIX)
         self.notes: tuple[str, ...] = ()
+        self._worked = 0.0  # s of entries since a state was kept
         self.lock = Lock(file.with_name(file.name + opening.SUFFIX + ".lock"), str(file))
         try:
             self._open(settings)
@@ -58,7 +63,9 @@ class Session:
             found = log.read(self.path)
             self.header = found.header
             begun = opening.again(found.header, self.file)
-            self.history = History(begun, [*found.done, *found.undone], len(found.done), self._perform)
+            self.states = States(self.path, self.header, begun)
+            entries = [*found.done, *found.undone]
+            self.history = History(begun, entries, len(found.done), self._perform, states=self.states)
             self.journal = Journal(self.path, self.header, found.sound)
             if self.header.version != version("crowquill"):
                 self.notes = (
@@ -66,7 +73,9 @@ class Session:
                 )
         else:
             self.header, begun = opening.opened(self.file, settings)
-            self.history = History(begun, (), 0, self._perform)
+            self.states = States(self.path, self.header, begun)
+            self.states.clear()  # of a log that was moved away
+            self.history = History(begun, (), 0, self._perform, states=self.states)
             self.journal = Journal(self.path, self.header)
         self.notes += begun.notes
         self.begun = self.drawing = begun
@@ -98,7 +107,19 @@ class Session:
         return True
 
     def _perform(self, drawing: Drawing, entry: Entry, watch: Watch | None = None) -> Drawing:
-        return performed(drawing, entry, self.folder, watch)
+        began = time.monotonic()
+        made = performed(drawing, entry, self.folder, watch)
+        self._worked += time.monotonic() - began
+        return made
+
+    def write(self) -> Callable[[], str] | None:
+        """Writes down what waits. Once in a while it gives what keeps the state now, for any thread to call; that says why if it fails."""
+        self.journal.write()
+        if self._worked < OFTEN:
+            return None
+        self._worked = 0.0
+        entries, drawing = self.history.entries[: self.history.at], self.drawing
+        return lambda: self.states.keep(entries, drawing)
 
     def undo(self, groups: int = 1) -> int:
         """Goes back so many groups; how many entries that were."""
@@ -165,12 +186,17 @@ class Session:
         self.journal.close()
         if not self.history.entries and not self.journal.waiting:
             self.path.unlink(missing_ok=True)
+            self.states.clear()
+        elif self._worked > ONCE and not self.journal.waiting:
+            self.states.keep(self.history.entries[: self.history.at], self.drawing)
         self.lock.release()
 
 
 def same(a: Drawing, b: Drawing) -> bool:
     """Whether two drawings are one in all that can be edited."""
     if a.tone is not b.tone or a.wish is not b.wish or a.wall is not b.wall or len(a.layers) != len(b.layers):
+        return False
+    if (a.size, a.margin) != (b.size, b.margin) or (a.picture.corner != b.picture.corner).any() or a.picture.size != b.picture.size:
         return False
     return all(one is other or _alike(one, other) for one, other in zip(a.layers, b.layers, strict=True))
 

@@ -17,6 +17,7 @@ from crowquill.editor.brushes import MOST as LONGEST
 from crowquill.editor.drawing import Drawing, Layer
 from crowquill.editor.fields import flow
 from crowquill.editor.items import Items, Kind
+from crowquill.editor.log import Journal
 from crowquill.editor.operations import MOST, Operation, every
 from crowquill.editor.operations.marking import library
 from crowquill.editor.session import Session
@@ -34,9 +35,8 @@ ARROWS = 60  # of the flow, to the longer side
 Json = dict[str, Any]
 
 
-def hello(session: Session) -> Json:
-    """What a page has to know of a session, once."""
-    drawing = session.drawing
+def hello(session: Session, drawing: Drawing, notes: tuple[str, ...]) -> Json:
+    """What a page has to know of a session whose drawing this is, once, and when that has another paper."""
     picture = drawing.picture
     return {
         "say": "hello",
@@ -50,7 +50,7 @@ def hello(session: Session) -> Json:
         "operations": operations(),
         "formats": {name: [knob(one) for one in formats.knobs(name).values()] for name in formats.names()},
         "limits": {"marks": MOST, "path": LONGEST // 3, "frame": FRAME},
-        "notes": list(session.notes),
+        "notes": list(notes),
     }
 
 
@@ -116,6 +116,8 @@ def _layer(layer: Layer, kinds: tuple[Kind, ...]) -> Json:
         "id": layer.id,
         "name": layer.name or ink.name,
         "kind": sort,
+        "ink": ink.name,
+        "spot": ink.spot,
         "cmyk": list(ink.cmyk),
         "rgb": list(ink.rgb),
         "pen": ink.pen,
@@ -159,6 +161,13 @@ def _arrows(drawing: Drawing) -> Paths:
 def step(n: Any, done: int, total: int, stage: str, facts: Mapping[str, float]) -> Json:
     """A step of work under way."""
     return {"say": "step", "n": n, "done": done, "total": total, "stage": stage, "facts": finite(facts)}
+
+
+def saved(journal: Journal) -> Json:
+    """Whether all entries are on the disk, and why not."""
+    why = f"edits are not written down ({journal.error}); free some space"
+    text = why if journal.waiting else "all edits are written down"
+    return {"say": "saved", "ok": not journal.waiting, "waiting": journal.waiting, "text": text}
 
 
 def finite(facts: Mapping[str, float]) -> Json:

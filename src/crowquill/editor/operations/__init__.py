@@ -23,7 +23,7 @@ from crowquill.editor.drawing import Drawing
 from crowquill.knobs import Knob, checked, of, unknown
 from crowquill.sheet import Step
 
-MODULES = ("marking", "moving", "selecting", "relaxing", "mosaics", "painting", "layering", "redrawing")
+MODULES = ("marking", "moving", "selecting", "relaxing", "mosaics", "painting", "layering", "papering", "redrawing")
 MOST = 1_000_000  # items of a drawing
 STYLE = "redraw "  # before the name of a style
 

@@ -20,6 +20,7 @@ LONGEST = 100  # letters of a name
 Name = Annotated[str | None, Text("shown in editors")]
 Cmyk = Annotated[tuple[float, ...] | None, Numbers(0, 1, "", "shares of cyan, magenta, yellow and black", 4)]
 Pen = Annotated[float | None, Range(0, 50, "mm", "width of strokes; 0 fills")]
+Spot = Annotated[str | None, Text("a spot ink by its name in the swatch book, whose look the mix is; an empty one: a process ink")]
 
 
 @operation("layer")
@@ -30,11 +31,12 @@ def layer_add(
     name: Name = None,
     cmyk: Cmyk = None,
     pen: Pen = None,
+    spot: Spot = None,
 ) -> Drawing:
     """Add a layer at the top; black and filled where nothing else is said."""
     if len(drawing.layers) >= MOST:
         raise ValueError(f"there are {MOST} layers, as many as there may be; remove one")
-    new = Layer(drawing.next_layer, _plain(name or ""), _inked(Ink(), cmyk, pen), Items.none())
+    new = Layer(drawing.next_layer, _plain(name or ""), _inked(Ink(), cmyk, pen, spot), Items.none())
     return replace(drawing, layers=(*drawing.layers, new), next_layer=drawing.next_layer + 1, facts={"layer": new.id})
 
 
@@ -47,15 +49,19 @@ def layer_edit(
     name: Name = None,
     cmyk: Cmyk = None,
     pen: Pen = None,
+    spot: Spot = None,
     hidden: Annotated[bool | None, Flag("neither shown nor written")] = None,
     locked: Annotated[bool | None, Flag("shown, and not changed")] = None,
 ) -> Drawing:
-    """Change a layer: its name, ink or pen, whether it is hidden or locked. What is left out stays."""
+    """Change a layer: its name, ink or pen, whether it is hidden or locked. What is left out stays.
+
+    A mix alone makes a process ink of a spot ink.
+    """
     found = drawing.layer(layer)
     changes: dict[str, Any] = {key: value for key, value in (("hidden", hidden), ("locked", locked)) if value is not None}
     if name is not None:
         changes["name"] = _plain(name)
-    ink = _inked(found.ink, cmyk, pen)
+    ink = _inked(found.ink, cmyk, pen, spot)
     if found.still and ink != found.ink:
         raise ValueError(f"layer {found.name!r} is not edited here; only its name, place and whether it is hidden can change")
     return drawing.with_layers(replace(found, ink=ink, **changes))
@@ -110,10 +116,12 @@ def _plain(name: str) -> str:
     return "".join(letter if letter.isprintable() else "?" for letter in name[:LONGEST])
 
 
-def _inked(ink: Ink, cmyk: tuple[float, ...] | None, pen: float | None) -> Ink:
-    """The ink with another mix or pen; it is named by its mix then."""
-    if cmyk is not None:
-        cyan, magenta, yellow, black = cmyk
-        name = "black" if cmyk == (0.0, 0.0, 0.0, 1.0) else "c{:.0f} m{:.0f} y{:.0f} k{:.0f}".format(*(100 * share for share in cmyk))
+def _inked(ink: Ink, cmyk: tuple[float, ...] | None, pen: float | None, spot: str | None) -> Ink:
+    """The ink with another mix, pen or name; a process ink is named by its mix. Raises ValueError for what is no name of a spot ink."""
+    cyan, magenta, yellow, black = mix = ink.cmyk if cmyk is None else cmyk
+    if spot:
+        ink = replace(ink, name=spot.strip(), cmyk=(cyan, magenta, yellow, black), spot=True)
+    elif cmyk is not None or (spot is not None and ink.spot):
+        name = "black" if mix == (0.0, 0.0, 0.0, 1.0) else "c{:.0f} m{:.0f} y{:.0f} k{:.0f}".format(*(100 * share for share in mix))
         ink = replace(ink, name=name, cmyk=(cyan, magenta, yellow, black), spot=False)
     return ink if pen is None else replace(ink, pen=pen or None)

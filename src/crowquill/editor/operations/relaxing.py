@@ -11,13 +11,15 @@ from typing import Annotated, Any
 
 import numpy as np
 import shapely
+from scipy.spatial import cKDTree
 
 from crowquill import relax as dots
 from crowquill import settling
+from crowquill.cells import Cells
 from crowquill.editor.brushes import Meant, Path, outline
 from crowquill.editor.drawing import Drawing
 from crowquill.editor.fields import along
-from crowquill.editor.items import Items, Kind, Mask
+from crowquill.editor.items import Columns, Items, Kind, Mask
 from crowquill.editor.operations import on_meant, operation
 from crowquill.editor.operations.mosaics import stepped
 from crowquill.knobs import Choice, Flag, Range
@@ -27,7 +29,7 @@ from crowquill.tone import Tone
 
 VARIANTS = ("uniform", "weighted", "objects", "move", "turn", "mosaic")
 STEP = 1.8  # of dots; objects, whose regions depend on their turn, swing with more than 1
-AROUND = 4.0  # spacings: how far around what moves others are looked at first
+AROUND = 3.0  # spacings: how far around what moves others are looked at first
 
 Facts = dict[str, float]
 
@@ -121,11 +123,15 @@ class _Crowd:
 
         Whoever finds cells that reach less than half as far has what decides them.
         """
+        if 2 * int(self.active.sum()) >= len(self.xy):
+            yield np.flatnonzero(self.active if (self.weight > 0).all() else self.tone.holds(self.xy)), self.tone.canvas, np.inf
+            return
         moving = self.xy[self.active]
         low, high = moving.min(axis=0), moving.max(axis=0)
-        margin = AROUND * self.spacing
+        margin, tree = AROUND * self.spacing, cKDTree(moving)
         while True:
             near = np.flatnonzero(((self.xy >= low - margin) & (self.xy <= high + margin)).all(axis=1))
+            near = near[tree.query(self.xy[near], distance_upper_bound=margin)[0] < margin]
             if 2 * len(near) >= len(self.xy):
                 yield np.flatnonzero(self.tone.holds(self.xy)), self.tone.canvas, np.inf
                 return
@@ -137,7 +143,8 @@ class _Crowd:
         """The items by their layers, those that move as far towards their targets (m, 2) and angles (m,) as their weights say."""
         moving = np.flatnonzero(self.active)
         share = self.weight[moving]
-        xy = self.xy[moving] + share[:, None] * (target - self.xy[moving]) + self.corner
+        xy = target if (share == 1).all() else self.xy[moving] + share[:, None] * (target - self.xy[moving])
+        xy = xy + self.corner
         now = self.column("angle", moving)
         turned = None if angle is None else now + share * (angle - now)
         by, first = {}, 0
@@ -149,14 +156,42 @@ class _Crowd:
         return by
 
 
+class _Last:
+    """The cells of the last step of a whole crowd: those of its next are found sooner by them, and are the same."""
+
+    def __init__(self) -> None:
+        self._kept: tuple[list[Columns], Index, Cells] | None = None
+
+    def cells(self, crowd: _Crowd, rows: Index) -> Cells | None:
+        """The last cells, if they are of the same items."""
+        if self._kept is None:
+            return None
+        ids, old, found = self._kept
+        same = len(ids) == len(crowd.items) and all(one is part.id for one, part in zip(ids, crowd.items.values(), strict=True))
+        return found if same and np.array_equal(old, rows) else None
+
+    def keep(self, crowd: _Crowd, rows: Index, found: Cells) -> None:
+        """Keeps the cells of these rows of a crowd."""
+        self._kept = ([part.id for part in crowd.items.values()], rows, found)
+
+
+_LAST = _Last()
+
+
 def _dots(crowd: _Crowd, step: float) -> tuple[Array, None, Facts]:
     """Where sites that move go."""
     for rows, window, margin in crowd.surroundings():
-        state = dots.measured(crowd.xy[rows], crowd.tone, crowd.tone, canvas=window)
+        last = _LAST.cells(crowd, rows) if margin == np.inf else None
+        state = dots.measured(crowd.xy[rows], crowd.tone, crowd.tone, canvas=window, last=last)
         mine = crowd.active[rows]
         if margin == np.inf or 2 * _reach(state.cells.rings, state.cells.owner, state.cells.sites, mine) < margin:
             break
-    target = dots.moved(state, crowd.tone, step=step)[mine]
+    if margin == np.inf:
+        _LAST.keep(crowd, rows, state.cells)
+    target = dots.moved(state, crowd.tone, step=step)
+    if mine.all():
+        return target, None, {"energy": state.energy, "movement": state.movement}
+    target = target[mine]
     way = (state.moments.centroid - state.sites)[mine]
     spread = np.trace(state.moments.covariance[mine], axis1=1, axis2=2) + (way**2).sum(axis=1)
     area = np.bincount(state.cells.owner, state.cells.rings.areas, len(rows))[mine]

@@ -1,6 +1,6 @@
-function f({model:e,el:c}){let o=`${Date.now()} ${Math.random()}`,n=document.createElement("iframe"),r=new MessageChannel,s=(t,a)=>{if(t.view!==
-o)return;let i=a[0]?g(a[0]):null,d="frame"in t?{frame:i}:"got"in t?{...t,data:i}:t;r.port1.postMessage(d)};return r.port1.onmessage=({data:t})=>e.
-send({view:o,...t}),e.on("msg:custom",s),n.title="Crowquill's editor",Object.assign(n.style,{width:"100%",height:`${Number(e.get("height"))}\
-px`,border:"0"}),n.addEventListener("load",()=>n.contentWindow.postMessage("crowquill","*",[r.port2]),{once:!0}),n.srcdoc=String(e.get("page")),
-c.append(n),()=>{e.off("msg:custom",s),e.send({view:o,close:!0}),r.port1.close()}}function g(e){return e.buffer.slice(e.byteOffset,e.byteOffset+
-e.byteLength)}var u={render:f};export{u as default};
+function g({model:e,el:d}){let r=`${Date.now()} ${Math.random()}`,n=document.createElement("iframe"),o=new MessageChannel,i=(t,c)=>{if(t.view!==
+r)return;let f=c[0]?u(c[0]):null,l="frame"in t?{frame:f}:"got"in t?{...t,data:f}:t;o.port1.postMessage(l)},s=!0,a=()=>{s=!1,o.port1.postMessage(
+{closed:1001})};return o.port1.onmessage=({data:t})=>s&&e.send({view:r,...t}),e.on("msg:custom",i),e.on("comm_live_update",a),n.title="Crowq\
+uill's editor",Object.assign(n.style,{width:"100%",height:`${Number(e.get("height"))}px`,border:"0"}),n.addEventListener("load",()=>n.contentWindow.
+postMessage("crowquill","*",[o.port2]),{once:!0}),n.srcdoc=String(e.get("page")),d.append(n),()=>{e.off("msg:custom",i),e.off("comm_live_upd\
+ate",a),s&&e.send({view:r,close:!0}),o.port1.close()}}function u(e){return e.buffer.slice(e.byteOffset,e.byteOffset+e.byteLength)}var m={render:g};export{m as default};
