@@ -15,6 +15,7 @@ from crowquill.paths import Array
 from crowquill.tone import Tone
 
 SHAKEN = 0.1  # spacings, root mean square each way: without it lattices of few sites grow to four times as many
+TWINS = 0.01  # where that leaves the ink: sites of one place must not coincide
 
 
 def refined(cells: Cells, tone: Tone, n: int, rng: np.random.Generator) -> Array:
@@ -22,7 +23,7 @@ def refined(cells: Cells, tone: Tone, n: int, rng: np.random.Generator) -> Array
 
     Of the cells' sites and the middles between neighbours, strung along the curve, each becomes as many sites as the sum of ink up
     to it passes n-ths of the whole: mostly one, at the centroid of its ink; two part along the cell's long axis. Then all are
-    shaken a little. Those that have no other place with ink coincide. Without ink on the canvas it gives (0, 2).
+    shaken a little. Without ink on the canvas it gives (0, 2).
     """
     between = cells.sites[cells.net.edges[0]].mean(axis=1) if cells.net else np.zeros((0, 2))
     every = np.concatenate([cells.sites, between])
@@ -41,9 +42,13 @@ def refined(cells: Cells, tone: Tone, n: int, rng: np.random.Generator) -> Array
     xx, xy, yy = found.covariance[own].reshape(-1, 4)[:, [0, 1, 3]].T
     axis = np.arctan2(2 * xy, xx - yy) / 2
     long = np.sqrt((xx + yy) / 2 + np.hypot((xx - yy) / 2, xy))  # the spread along it
-    sites = found.centroid[own] + (share * long)[:, None] * np.stack([np.cos(axis), np.sin(axis)], axis=1)
-    sites += SHAKEN * np.sqrt(new.areas[own] / number[own])[:, None] * rng.standard_normal((n, 2))
-    return np.where(_inked(sites, tone)[:, None], sites, every[own])
+    sites: Array = found.centroid[own] + (share * long)[:, None] * np.stack([np.cos(axis), np.sin(axis)], axis=1)
+    shake = np.sqrt(new.areas[own] / number[own])[:, None] * rng.standard_normal((n, 2))
+    sites += SHAKEN * shake
+    for other in (every[own] + TWINS * shake, every[own]):
+        lost = ~_inked(sites, tone)
+        sites[lost] = other[lost]
+    return sites
 
 
 def _inked(xy: Array, tone: Tone) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
