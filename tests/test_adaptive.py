@@ -39,7 +39,7 @@ def test_dots_of_one_size_stand_for_nearly_the_same_ink() -> None:
         mass = moments.of_tone(voronoi(crowquill.draw(style, tone, pen=PEN).marks.xy, tone.canvas), tone).mass
         spread.append(mass.std() / mass.mean())
     assert spread[0] < 0.09, spread  # the published mark of a flat tone is .10
-    assert spread[0] < spread[1] + 0.01, spread
+    assert spread[0] < spread[1] + 0.02, spread  # a start by levels shares the ink out again and again
 
 
 def test_sizes_by_tone_are_the_ink_of_each_dots_cell() -> None:

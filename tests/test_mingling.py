@@ -147,9 +147,10 @@ def test_no_dot_goes_far():
         assert 0.02 < gone.mean() < gone.max() < 0.75 * spacing(len(before), SIDE**2)
 
 
-def test_dots_that_lie_on_each_other_are_parted():
+@pytest.mark.parametrize("seed", range(3))
+def test_dots_that_lie_on_each_other_are_parted(seed: int):
     tones = flat(0.2, 0.2)
-    one = stippled(tones[:1])[0]
+    one = draw("stipple", tones[0], seed=seed, pen=0.3).marks
     moved = kept_apart([one, one], tones)
     assert cKDTree(moved[0].xy).query(moved[1].xy)[0].min() > 0.05
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import errno
 import os
 import signal
-import threading
-import time
 import warnings
 from itertools import islice
 from pathlib import Path
@@ -188,16 +186,18 @@ def test_a_worker_that_dies_changes_nothing(alone, monkeypatch):
         begin(self, *arguments)
         begun.append(self._child.pid)
 
-    def killing() -> None:
-        clusters.waited_for(lambda: begun)
-        time.sleep(1.5)  # while it works
-        os.kill(begun[0], signal.SIGKILL)
+    def killing(pool: Any, *task: Any) -> Any:
+        """Ends the first worker when tasks are given out, of which it has one."""
+        given.append(submitted(pool, *task))
+        if len(given) == 6:
+            os.kill(begun[0], signal.SIGKILL)
+        return given[-1]
 
+    given: list[Any] = []
+    submitted = page.submitted
+    monkeypatch.setattr(page, "submitted", killing)
     monkeypatch.setattr(processes._Process, "__init__", noted)
-    killer = threading.Thread(target=killing)
-    killer.start()
     found = hired(alone, workers=2)
-    killer.join()
     assert found == alone[1]
     assert len(begun) > 2, "no worker took the dead one's place; the test has missed its moment"
 

@@ -23,6 +23,7 @@ from crowquill.sheet import Step
 from crowquill.stippling import snapped
 from crowquill.tone import Tone
 
+HALVED = 3  # times that a way too near to another dot is halved before it is given up
 ROUNDS = 20
 STRIDE = 1.8  # of the way, as relax.lloyd goes
 JOINT = 0.8  # of the way to the middle among all dots; with .5 six times as many of two inks stay near, with 1 own patterns grow uneven
@@ -81,12 +82,15 @@ class Ground:
             found[good], lost = (self.first + off)[good], lost & ~good
         return self.kept_apart(found, sites)
 
-    def kept_apart(self, sites: Array, before: Array) -> Array:
-        """The sites, those taken back to where they were that came too near to others of this ink."""
+    def kept_apart(self, sites: Array, before: Array, halvings: int = HALVED) -> Array:
+        """The sites, those taken back, by so many halves, then to where they were, that came too near to others of this ink."""
         if self.gap is None:
             return sites
+        back = np.zeros(len(sites), np.int64)
         while len(near := _too_near(sites, self.reach, self.gap)):
-            sites[near] = before[near]
+            back[near] += 1
+            half = (sites + before)[near] / 2
+            sites[near] = np.where((back[near] <= halvings)[:, None] & self.allowed(half)[:, None], half, before[near])
         return sites
 
 
@@ -124,7 +128,7 @@ def _settled(marks: Marks, ground: Ground, sites: Array) -> Marks:
     if not len(marks):
         return marks
     whole, good = snapped(sites, ground.tone, ground.tone.coverage < ground.lightest)
-    found = replace(marks, xy=ground.kept_apart(np.where(good[:, None], whole, marks.xy), marks.xy))
+    found = replace(marks, xy=ground.kept_apart(np.where(good[:, None], whole, marks.xy), marks.xy, 0))
     wanted, grown, steep = np.log(measure.ink(marks)), 0.0, 1.0
     before: tuple[float, float] | None = None
     for _ in range(6):  # of a secant: of dots that overlap what they cover grows less than they do
