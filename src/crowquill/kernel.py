@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import os
+import threading
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
+from functools import lru_cache
+from itertools import pairwise
 from typing import Any, TypeVar, cast
 
 import numba
@@ -25,6 +28,7 @@ def _cores() -> int:
 
 
 CORES = _cores()
+HELPER = "crowquill-loop"
 
 
 def share(n: int) -> None:
@@ -63,8 +67,23 @@ def shared_out(work: Callable[[int, int], None], n: int, least: int = 4096) -> N
     """
     pieces = max(1, min(CORES, n // least))
     bounds = [n * k // pieces for k in range(pieces + 1)]
-    if pieces == 1:
+    if pieces == 1 or threading.current_thread().name.startswith(HELPER):  # one that waited for others could wait for itself
         work(0, n)
         return
-    with ThreadPoolExecutor(pieces) as pool:
-        list(pool.map(work, bounds[:-1], bounds[1:]))
+    others = [_helpers(CORES).submit(work, *piece) for piece in pairwise(bounds[1:])]
+    try:
+        work(0, bounds[1])
+    finally:
+        wait(others)
+    for other in others:
+        other.result()
+
+
+@lru_cache(maxsize=1)
+def _helpers(n: int) -> ThreadPoolExecutor:
+    """Threads that stay: to begin them anew would cost a step of few sites more than its work."""
+    return ThreadPoolExecutor(n, thread_name_prefix=HELPER)
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_helpers.cache_clear)  # a child has none of its parent's threads
