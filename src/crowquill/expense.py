@@ -16,7 +16,7 @@ SETTING = "CROWQUILL_MEMORY"  # of the environment: gigabytes that may be taken,
 PROCESS = Path("/proc/self")
 # Measured on drawings of 100 000 to a million dots on 4 and 16 Mpx, from the plan to the written file, a tenth added.
 A_DOT = 900  # bytes: cells, moments, outlines
-A_TILED = 600  # bytes of a dot relaxed in tiles: of four million, after that
+A_TILED = 300  # bytes of a dot relaxed in tiles, by the one who hands them out: 250 of ten million
 A_PIXEL = 45  # bytes: the weight of cells, and its sums along rows
 A_CODE = 4  # bytes of a pixel of a large picture, which is kept as codes
 
