@@ -408,6 +408,7 @@ def test_a_layer_gets_a_spot_ink_and_the_drawing_another_paper(editor: Editor) -
     panel.get_by_label("Spot name").fill("Gold")
     panel.get_by_label("Spot name").press("Enter")
     panel.get_by_role("button", name="Sepia").click()
+    editor.rest()  # what the server answers fills the fields
     panel.get_by_label("Cyan, per cent").fill("50")
     panel.get_by_label("Magenta, per cent").fill("20")
     panel.get_by_label("Magenta, per cent").press("Enter")

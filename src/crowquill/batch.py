@@ -119,6 +119,13 @@ class Batch:
         self.tokens = {f"{run}-{k}": job for k, job in enumerate(jobs)}
         self._journal, self._overwrite, self._note = Journal(folder), overwrite, note
         self._unfit: dict[str, str] = {}
+        self._keys: dict[str, str] = {}
+
+    @property
+    def made(self) -> int:
+        """How many jobs, of those that were begun, the journal on the disk has; whoever counts outcomes may be one short when stopped."""
+        journal = Journal(self._journal.path.parent)
+        return sum(journal.has(key, self.tokens[token].out) for token, key in self._keys.items())
 
     def outcomes(self, pool: Workers) -> Iterator[Outcome]:
         """What becomes of each job, in the order in which they are done. Who stops iterating may begin anew, and goes on.
@@ -155,7 +162,7 @@ class Batch:
         try:
             folder.mkdir()
             wanted, paths = job.find(folder)
-            key = _key(wanted)
+            key = self._keys[token] = _key(wanted)
             if not self._journal.has(key, job.out):
                 formats.check(job.out, overwrite=self._overwrite, sources=[*job.of, *paths.values()])
                 return _Task(token, job, key, wanted, paths, folder)

@@ -36,11 +36,6 @@ class Told:
         """The rows so far, in the order of the jobs."""
         return [self._rows[job.name] for job in self._jobs if job.name in self._rows]
 
-    @property
-    def made(self) -> int:
-        """How many drawings there are now."""
-        return sum(row["status"] in ("drawn", "kept") for row in self._rows.values())
-
     def check(self, overwrite: bool, sources: Sequence[Path]) -> None:
         """Raises the error that writing the report would raise."""
         if self._report and str(self._report) != "-":

@@ -146,5 +146,5 @@ def _made(
     except GoneError as error:
         told.line(f"{error}; then the same command goes on")
     except KeyboardInterrupt:
-        raise Halted(f"stopped; {told.made} of {len(jobs)} drawings are made, and the same command goes on") from None
+        raise Halted(f"stopped; {batch.made} of {len(jobs)} drawings are made, and the same command goes on") from None
     return told.end()
